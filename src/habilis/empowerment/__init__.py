@@ -1,0 +1,5 @@
+"""Exact empowerment of finite MDPs: sensors, counting, and measures made of them."""
+
+from habilis.empowerment.core import empowerment
+
+__all__ = ["empowerment"]

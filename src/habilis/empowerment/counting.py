@@ -1,0 +1,103 @@
+"""How many observations h actions can bring about, without listing action sequences.
+
+Two ways to the same number, |O_h(s)| with
+
+    O_0(s) = {o(s)},   O_h(s) = union over a of O_{h-1}(next(s, a)),
+
+where o(s) is what the sensor shows in s. With few labels, all states' sets are carried backward
+together, one bit a label. With many, each state's set of reachable states is grown forward and
+its labels are counted at the end.
+"""
+
+import numpy as np
+from jaxtyping import Int32, Int64, UInt64
+from numba import njit
+
+_WORD = 64
+
+
+def count_backward(
+    next_state: Int32[np.ndarray, "S A"],
+    labels: Int32[np.ndarray, "S"],
+    label_count: int,
+    horizon: int,
+) -> Int64[np.ndarray, "S"]:
+    """|O_h(s)| for every state, by packed bits: S * A * h * ceil(labels / 64) word operations.
+
+    Stops as soon as one more action changes no state's set.
+    """
+    state = np.arange(len(labels))
+    sets = np.zeros((len(labels), -(-label_count // _WORD)), np.uint64)
+    sets[state, labels // _WORD] = np.uint64(1) << (labels % _WORD).astype(np.uint64)
+    spare = np.empty_like(sets)
+    for _ in range(horizon):
+        if not _unite(next_state, sets, spare):
+            break
+        sets, spare = spare, sets
+    return np.bitwise_count(sets).sum(axis=1, dtype=np.int64)
+
+
+@njit(cache=True, nogil=True)
+def _unite(
+    next_state: Int32[np.ndarray, "S A"],
+    sets: UInt64[np.ndarray, "S W"],
+    out: UInt64[np.ndarray, "S W"],
+) -> bool:
+    """One step backward: out[s] = union over a of sets[next(s, a)]; says if anything changed."""
+    changed = False
+    for s in range(next_state.shape[0]):
+        for w in range(sets.shape[1]):
+            word = np.uint64(0)
+            for a in range(next_state.shape[1]):
+                word |= sets[next_state[s, a], w]
+            out[s, w] = word
+            changed |= word != sets[s, w]
+    return changed
+
+
+@njit(cache=True, nogil=True)
+def count_forward(
+    next_state: Int32[np.ndarray, "S A"],
+    labels: Int32[np.ndarray, "S"],
+    label_count: int,
+    horizon: int,
+    starts: Int64[np.ndarray, "n"],
+) -> Int64[np.ndarray, "n"]:
+    """|O_h(s)| for the asked states, each by its exact set of reachable states.
+
+    Costs A times the sum of the sets' sizes a state; stops when a set no longer changes.
+    """
+    counts = np.empty(len(starts), np.int64)
+    here = np.empty(next_state.shape[0], np.int32)
+    there = np.empty(next_state.shape[0], np.int32)
+    # met_at[s] is the last step (counted over all starts) at which s was in the set.
+    met_at = np.full(next_state.shape[0], -1, np.int64)
+    perceived_from = np.full(label_count, -1, np.int64)
+    step = 0
+    for i in range(len(starts)):
+        step += 2
+        here[0], size = starts[i], 1
+        met_at[starts[i]] = step
+        for _ in range(horizon):
+            step += 1
+            grown, old = 0, 0
+            for k in range(size):
+                for a in range(next_state.shape[1]):
+                    s = next_state[here[k], a]
+                    if met_at[s] != step:
+                        old += met_at[s] == step - 1
+                        met_at[s] = step
+                        there[grown] = s
+                        grown += 1
+            same = grown == size and old == size
+            here, there, size = there, here, grown
+            if same:
+                break
+        count = 0
+        for k in range(size):
+            label = labels[here[k]]
+            if perceived_from[label] != i:
+                perceived_from[label] = i
+                count += 1
+        counts[i] = count
+    return counts

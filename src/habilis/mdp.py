@@ -1,0 +1,128 @@
+"""A finite Markov decision process as arrays."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float32, Int32
+from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True, eq=False)
+class TabularMDP:
+    """A deterministic finite MDP; state and action are indices.
+
+    Attributes:
+        next_state: int32[S, A], the state that each action leads to. Terminal states have
+            successors too: the dynamics do not know of episodes.
+        reward: float32[S, A].
+        terminal: bool[S], the states whose entry ends an episode.
+        factors: by name, an int32[S] label of what the state says of one thing in it. In a
+            world: "agent", "tool", "object", each `row * width + column`.
+        flags: by name, a bool[S] property of the state. In a world: "equipped", "attached".
+        start: the state in which episodes begin.
+        shape: (rows, columns) of the world whose cells the factors name; `None` without one.
+        actions: the names of the actions.
+    """
+
+    next_state: Int32[np.ndarray, "S A"]
+    reward: Float32[np.ndarray, "S A"]
+    terminal: Bool[np.ndarray, "S"]
+    factors: Mapping[str, Int32[np.ndarray, "S"]] = field(default_factory=dict)
+    flags: Mapping[str, Bool[np.ndarray, "S"]] = field(default_factory=dict)
+    start: int = 0
+    shape: tuple[int, int] | None = None
+    actions: tuple[str, ...] = ()
+
+    @classmethod
+    def deterministic(
+        cls,
+        next_state: ArrayLike,
+        reward: ArrayLike | None = None,
+        terminal: ArrayLike | None = None,
+        start: int = 0,
+    ) -> "TabularMDP":
+        """An MDP from its transition table.
+
+        Args:
+            next_state: int[S, A], the state that each action leads to.
+            reward: float[S, A]; zero everywhere if left out.
+            terminal: bool[S]; nowhere if left out.
+            start: the state in which episodes begin.
+
+        Raises:
+            ValueError: the arrays do not fit each other, are empty, or name a state that
+                does not exist.
+
+        Example:
+            >>> TabularMDP.deterministic([[0, 1], [1, 0]]).states
+            2
+        """
+        table = np.asarray(next_state)
+        if table.ndim != 2 or table.size == 0 or not np.issubdtype(table.dtype, np.integer):
+            raise ValueError(
+                f"next_state has shape {table.shape} and type {table.dtype}; "
+                "give integers of shape [states, actions]"
+            )
+        outside = np.argwhere((table < 0) | (table >= len(table)))
+        if len(outside):
+            state, action = outside[0]
+            raise ValueError(
+                f"next_state[{state}, {action}] is {table[state, action]}; "
+                f"use states 0 to {len(table) - 1}"
+            )
+        reward = np.zeros(table.shape) if reward is None else np.asarray(reward)
+        terminal = np.zeros(len(table), bool) if terminal is None else np.asarray(terminal)
+        if reward.shape != table.shape:
+            raise ValueError(f"reward has shape {reward.shape}; give {table.shape} as next_state")
+        if not np.isfinite(reward).all():
+            raise ValueError("reward has entries that are not finite; give numbers")
+        if terminal.shape != table.shape[:1]:
+            raise ValueError(f"terminal has shape {terminal.shape}; give ({len(table)},)")
+        if not 0 <= start < len(table):
+            raise ValueError(f"start is {start}; use a state from 0 to {len(table) - 1}")
+        return cls(
+            np.ascontiguousarray(table, np.int32),
+            reward.astype(np.float32),
+            terminal.astype(bool),
+            start=start,
+        )
+
+    @property
+    def states(self) -> int:
+        """S, how many states there are."""
+        return self.next_state.shape[0]
+
+    def factor(self, name: str) -> Int32[np.ndarray, "S"]:
+        """The label of one thing in every state.
+
+        Raises:
+            ValueError: the MDP has no such factor; the message lists those it has.
+        """
+        if name not in self.factors:
+            known = ", ".join(self.factors) or "none"
+            raise ValueError(f"factor {name!r} is unknown; this MDP has: {known}")
+        return self.factors[name]
+
+    def find(self, **cells: tuple[int, int]) -> int:
+        """The state in which things are at given cells.
+
+        Args:
+            **cells: for each factor the (row, column) of the thing.
+
+        Raises:
+            KeyError: no state, or more than one, has everything there.
+            ValueError: the MDP has no such factor.
+        """
+        if self.shape is None:
+            raise ValueError("this MDP has no cells; pick states from its factors' labels")
+        found = np.ones(self.states, bool)
+        for name, (row, column) in cells.items():
+            inside = 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
+            label = row * self.shape[1] + column if inside else -1
+            found &= inside & (self.factor(name) == label)
+        matches = np.flatnonzero(found)
+        if len(matches) != 1:
+            where = ", ".join(f"{name}={cell}" for name, cell in cells.items())
+            raise KeyError(f"{len(matches) or 'no'} states have {where}")
+        return int(matches[0])

@@ -1,0 +1,1 @@
+"""Worlds: map text -> `World` -> `TabularMDP`; the tools and their rule; pictures."""

@@ -1,0 +1,70 @@
+"""Shortest plans: what the best an agent can do in a world is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from habilis.mdp import TabularMDP
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A shortest way from a state to a terminal one.
+
+    Attributes:
+        actions: the action indices, first to last.
+        states: the states passed through, from the first to the terminal one (one more).
+        best_return: the sum of the rewards along it, undiscounted.
+    """
+
+    actions: tuple[int, ...]
+    states: tuple[int, ...]
+    best_return: float
+
+    @property
+    def steps(self) -> int:
+        return len(self.actions)
+
+
+def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
+    """A shortest plan, by breadth-first search over the table.
+
+    Of several, the one whose states were met first: lower states and actions win.
+
+    Args:
+        mdp: the table.
+        start: the state to begin in; by default the table's own.
+
+    Returns:
+        The plan (at least one step long: what counts is entering a terminal state), or `None`
+        if no terminal state can be reached.
+    """
+    start = mdp.start if start is None else start
+    came_from = np.full((mdp.states, 2), -1)
+    seen = np.zeros(mdp.states, bool)
+    frontier = np.array([start])
+    while len(frontier):
+        reached = mdp.next_state[frontier].ravel()
+        reached, first = np.unique(reached, return_index=True)
+        fresh = ~seen[reached]
+        reached, first = reached[fresh], first[fresh]
+        seen[reached] = True
+        source, action = np.divmod(first, mdp.next_state.shape[1])
+        came_from[reached, 0], came_from[reached, 1] = frontier[source], action
+        done = reached[mdp.terminal[reached]]
+        if len(done):
+            return _trace(mdp, came_from, start, int(done[0]))
+        frontier = reached
+    return None
+
+
+def _trace(mdp: TabularMDP, came_from: np.ndarray, start: int, end: int) -> Plan:
+    states, actions = [end], []
+    while not actions or states[-1] != start:
+        source, action = came_from[states[-1]]
+        states.append(int(source))
+        actions.append(int(action))
+    states.reverse()
+    actions.reverse()
+    rewards = mdp.reward[states[:-1], actions]
+    return Plan(tuple(actions), tuple(states), float(rewards.sum()))

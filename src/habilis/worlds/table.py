@@ -1,0 +1,90 @@
+"""From a world to its table."""
+
+import numpy as np
+
+from habilis.mdp import TabularMDP
+from habilis.worlds.rules import ACTIONS, MOVES, Grid, successor
+from habilis.worlds.tools import Cells
+from habilis.worlds.world import World
+
+_BLOCK = 1 << 14  # placements moved at once: the arrays of one block stay in the cache
+
+
+def tabulate(world: World) -> TabularMDP:
+    """Every placement of agent, tool and object, and what each action does to it.
+
+    The states are all placements with the tool in hand, and all with the tool lying at its
+    cell of the map; without a tool, all placements of agent and object. Reward and end of an
+    episode are rule 6 of the design: 0 for the transition that brings the object into the
+    goal, which ends the episode, and -1 for every other.
+
+    Args:
+        world: the map; its tool decides on eight actions, or four without one.
+
+    Returns:
+        A table with factors "agent", "object" and, unless the tool is "none", "tool"; flags
+        "equipped" and "attached"; the map's placement as `start`.
+
+    Example:
+        >>> from habilis.worlds.world import World
+        >>> tabulate(World.parse("A.CG", name="line")).actions
+        ('north', 'east', 'south', 'west')
+    """
+    grid, rule = Grid.of(world), world.tool_rule
+    hands = _hands(world, grid)
+    state_of = np.full((len(hands), len(grid.wall)), -1, np.int32)
+    in_hand = (hands[:, :, None] == grid.free).any(axis=1)
+    state_of[:, grid.free] = np.where(in_hand, -1, 0)
+    hand, thing = np.nonzero(state_of == 0)
+    state_of[hand, thing] = np.arange(len(hand), dtype=np.int32)
+    hand_of = np.full((len(grid.wall), len(grid.wall)), -1, np.int32)
+    hand_of[hands[:, 0], hands[:, 1]] = np.arange(len(hands))
+    agent, tool = hands[hand, 0], hands[hand, 1]
+
+    actions = MOVES if rule is None else ACTIONS
+    next_state = np.empty((len(hand), len(actions)), np.int32)
+    for first in range(0, len(hand), _BLOCK):
+        block = slice(first, first + _BLOCK)
+        for action in range(len(actions)):
+            to = successor(grid, rule, action, agent[block], tool[block], thing[block])
+            next_state[block, action] = state_of[hand_of[to[0], to[1]], to[2]]
+
+    terminal = thing == grid.index(world.goal)
+    equipped = grid.adjacent(agent, tool)
+    attached = np.zeros(len(hand), bool)
+    if rule is not None:
+        attached = equipped & rule.attached(agent, tool, thing)
+    cells = {"agent": agent, "tool": tool, "object": thing}
+    if rule is None:
+        del cells["tool"]
+    start_tool = grid.nowhere if rule is None else _tool_cell(world, grid)
+    start = state_of[hand_of[grid.index(world.agent), start_tool], grid.index(world.object)]
+    return TabularMDP(
+        next_state=next_state,
+        reward=np.where(terminal[next_state], 0, -1).astype(np.float32),
+        terminal=terminal,
+        factors={name: grid.label(at).astype(np.int32) for name, at in cells.items()},
+        flags={"equipped": equipped, "attached": attached},
+        start=int(start),
+        shape=(world.height, world.width),
+        actions=actions,
+    )
+
+
+def _hands(world: World, grid: Grid) -> Cells:
+    """All (agent, tool) cells, int[pairs, 2]: first the tool lying, then in hand by side."""
+    free = grid.free
+    if world.tool_rule is None:
+        return np.stack([free, np.full_like(free, grid.nowhere)], axis=1)
+    lies = np.full_like(free, _tool_cell(world, grid))
+    apart = (free != lies) & ~grid.adjacent(free, lies)
+    pairs = [np.stack([free, lies], axis=1)[apart]]
+    for step in grid.steps:
+        held = np.stack([free, free + step], axis=1)
+        pairs.append(held[~grid.wall[free + step]])
+    return np.concatenate(pairs)
+
+
+def _tool_cell(world: World, grid: Grid) -> int:
+    assert world.tool_cell is not None, "a world with a tool has a cell for it"
+    return grid.index(world.tool_cell)
