@@ -1,0 +1,1 @@
+"""Learning with empowerment in the reward: networks, A2C, many runs at once."""

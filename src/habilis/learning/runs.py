@@ -1,0 +1,143 @@
+"""Runs: what training gives, and how far it has come."""
+
+import time
+from dataclasses import dataclass
+
+import jax
+import numpy as np
+import polars as pl
+
+from habilis.learning.config import Config
+from habilis.learning.convergence import episodes_to_convergence
+from habilis.learning.networks import ActorCritic
+from habilis.worlds.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What training one configuration gave.
+
+    Attributes:
+        config: the configuration.
+        world: its world, with the tool that was used.
+        best_return: extrinsic return of a shortest plan.
+        episodes: one row an episode of each run: "run", "episode" (both from 0), "steps",
+            "return" (extrinsic, undiscounted), and for each flag of the table the number of
+            its steps that led to a state with that flag ("equipped", "attached").
+        converged_at: for each run the episodes to convergence, `None` if it did not.
+        networks: the runs' networks at their ends, stacked along the first axis.
+    """
+
+    config: Config
+    world: World
+    best_return: float
+    episodes: pl.DataFrame
+    converged_at: tuple[int | None, ...]
+    networks: ActorCritic
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far the runs of one configuration have come.
+
+    Attributes:
+        config: its index in the call to `train`.
+        episodes: mean over the runs.
+        share: of all the episodes the runs may take, or less where runs have converged.
+        episode_return: mean over the runs of their last 100 episodes.
+        steps_per_second: environment steps of all runs, learning included, since they began.
+        seconds_left: at most, if the rest takes its whole budget of episodes.
+        converged, ended, runs: how many runs have converged, have ended, and there are.
+    """
+
+    config: int
+    episodes: float
+    share: float
+    episode_return: float
+    steps_per_second: float
+    seconds_left: float
+    converged: int
+    ended: int
+    runs: int
+
+
+class Record:
+    """The episodes of one run so far, and whether it is over."""
+
+    def __init__(self, config: Config, best_return: float):
+        self.config = config
+        self.best_return = best_return
+        self.began: float | None = None
+        self.steps = 0
+        self.converged_at: int | None = None
+        self.network: ActorCritic | None = None
+        self._parts: list[np.ndarray] = []
+
+    @property
+    def ended(self) -> bool:
+        return self.network is not None
+
+    @property
+    def count(self) -> int:
+        return sum(map(len, self._parts))
+
+    def episodes(self) -> np.ndarray:
+        """float32[n, 2 + flags]: steps, return, and counts of the flags, an episode a row."""
+        if len(self._parts) > 1:
+            self._parts = [np.concatenate(self._parts)]
+        return self._parts[0]
+
+    def add(self, episodes: np.ndarray, steps: int, network: ActorCritic, lane: int) -> None:
+        """Takes in a stretch of training, and ends the run if that was its last.
+
+        Args:
+            episodes: those that ended in the stretch, as in `episodes()`.
+            steps: environment steps taken.
+            network, lane: of the batch that the run is in, and its lane there.
+        """
+        self._parts.append(episodes)
+        self.steps += steps
+        budget = self.config.episodes
+        at = episodes_to_convergence(self.episodes()[:budget, 1], self.best_return)
+        if at is not None or self.count >= budget or self.steps >= self.config.steps:
+            self.converged_at = at
+            self._parts = [self.episodes()[: budget if at is None else at]]
+            self.network = jax.tree.map(lambda leaf: leaf[lane], network)
+
+
+def progress(config: int, records: list[Record]) -> Progress:
+    """How far the records of one configuration have come."""
+    budget = records[0].config.episodes
+    counts = np.array([record.count for record in records])
+    ended = np.array([record.ended for record in records])
+    done, total = counts.sum(), np.where(ended, counts, budget).sum()
+    began = [record.began for record in records if record.began is not None]
+    seconds = time.perf_counter() - min(began)
+    recent = [record.episodes()[-100:, 1] for record in records if record.count]
+    return Progress(
+        config=config,
+        episodes=float(counts.mean()),
+        share=float(done / total),
+        episode_return=float(np.mean([r.mean() for r in recent])) if recent else float("nan"),
+        steps_per_second=sum(record.steps for record in records) / seconds,
+        seconds_left=float(seconds * (total - done) / done) if done else float("inf"),
+        converged=sum(record.converged_at is not None for record in records),
+        ended=int(ended.sum()),
+        runs=len(records),
+    )
+
+
+def episode_table(records: list[Record], flags: list[str]) -> pl.DataFrame:
+    """`Run.episodes` of the records of one configuration."""
+    parts = []
+    for run, record in enumerate(records):
+        episodes = record.episodes()
+        columns = {
+            "run": np.full(len(episodes), run, np.int32),
+            "episode": np.arange(len(episodes), dtype=np.int32),
+            "steps": episodes[:, 0].astype(np.int32),
+            "return": episodes[:, 1],
+        }
+        columns |= {name: episodes[:, 2 + k].astype(np.int32) for k, name in enumerate(flags)}
+        parts.append(pl.DataFrame(columns))
+    return pl.concat(parts)

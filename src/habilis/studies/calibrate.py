@@ -1,0 +1,140 @@
+"""Choosing the A2C settings, which the paper does not give, on the vanilla rows alone.
+
+Every setting of the grid trains the agents without intrinsic reward. For each experiment the
+setting is taken whose rows converge in all runs and come closest to the published counts; it is
+written to `data/settings.toml` before any regularised agent is trained with it. The seeds are not
+those of the paper's tables.
+
+    python -m habilis.studies.calibrate      # hours; goes on where it was stopped
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from random import Random
+
+import polars as pl
+
+from habilis.learning.config import Config
+from habilis.learning.train import train
+from habilis.studies.published import EXPERIMENTS, Experiment
+
+DATA = Path(__file__).parent / "data"
+RESULTS = DATA / "calibration.csv"
+SETTINGS = DATA / "settings.toml"
+
+GRID: dict[str, tuple] = {
+    "envs, rollout": ((8, 20), (16, 5)),
+    "learning_rate": (1e-3, 2e-3),
+    "entropy": (0.02, 0.05),
+    "discount": (0.97, 0.99),
+    "optimizer, reward_scale": (("rmsprop", 1.0), ("adam", 0.1)),
+}
+"""What is tried: every combination. The rest of `Config` stays as it is there."""
+
+SCREEN = {"runs": 5, "seed": 1001, "episodes": 120_000, "steps": 10_000_000}
+"""First, every setting with few runs."""
+CONFIRM = {"runs": 10, "seed": 2001, "episodes": 160_000, "steps": 40_000_000}
+"""Then the settings that came closest, with as many runs as the paper."""
+CONFIRMED = 3  # settings an experiment
+
+
+def settings_grid() -> list[dict]:
+    """All combinations of the grid, in a fixed shuffled order."""
+    settings = []
+    for values in product(*GRID.values()):
+        setting = {}
+        for names, value in zip(GRID, values, strict=True):
+            parts = value if isinstance(value, tuple) else (value,)
+            setting |= dict(zip(names.split(", "), parts, strict=True))
+        settings.append(setting)
+    Random(0).shuffle(settings)
+    return settings
+
+
+def vanilla_configs(experiment: Experiment, setting: dict, stage: dict) -> list[Config]:
+    """One configuration for each vanilla row of an experiment."""
+    return [
+        replace(Config(world=experiment.world, tool=row.tool), **setting, **stage)
+        for row in experiment.rows
+        if row.vanilla
+    ]
+
+
+def distance(counts: Iterable[float], published: Iterable[float]) -> float:
+    """Mean over the rows of |log(ours / published)|."""
+    ratios = [abs(math.log(a / b)) for a, b in zip(counts, published, strict=True)]
+    return sum(ratios) / len(ratios)
+
+
+def _key(stage: str, experiment: str, setting: dict) -> tuple:
+    return (stage, experiment, *(str(value) for value in setting.values()))
+
+
+def run_stage(stage: str, budget: dict, todo: list[tuple[Experiment, dict]]) -> None:
+    """Trains what is not yet in the results, and adds it there row by row."""
+    done = set()
+    if RESULTS.exists():
+        for row in pl.read_csv(RESULTS).iter_rows(named=True):
+            setting = {name: row[name] for name in settings_grid()[0]}
+            done.add(_key(row["stage"], row["experiment"], setting))
+    todo = [(e, s) for e, s in todo if _key(stage, e.name, s) not in done]
+    for first in range(0, len(todo), 4):
+        some = todo[first : first + 4]
+        configs = [vanilla_configs(e, s, budget) for e, s in some]
+        runs = iter(train([c for group in configs for c in group]))
+        rows = []
+        for (experiment, setting), group in zip(some, configs, strict=True):
+            for config in group:
+                at = next(runs).converged_at
+                finished = [n for n in at if n is not None]
+                rows.append(
+                    {"stage": stage, "experiment": experiment.name, "tool": config.tool}
+                    | setting
+                    | {
+                        "runs": len(at),
+                        "converged": len(finished),
+                        "mean": sum(finished) / len(finished) if finished else None,
+                        "counts": " ".join("-" if n is None else str(n) for n in at),
+                    }
+                )
+        table = pl.DataFrame(rows)
+        if RESULTS.exists():
+            table = pl.concat([pl.read_csv(RESULTS), table], how="vertical_relaxed")
+        table.write_csv(RESULTS)
+        for row in rows:
+            print(*row.values(), flush=True)
+
+
+def ranked(stage: str, experiment: Experiment) -> list[tuple[float, dict]]:
+    """The settings whose rows all converged in all runs, closest to the published first."""
+    results = pl.read_csv(RESULTS).filter(stage=stage, experiment=experiment.name)
+    names = list(settings_grid()[0])
+    found = []
+    for _, rows in results.group_by(names, maintain_order=True):
+        if (rows["converged"] == rows["runs"]).all():
+            counts = dict(zip(rows["tool"], rows["mean"], strict=True))
+            vanilla = [row for row in experiment.rows if row.vanilla]
+            off = distance([counts[r.tool] for r in vanilla], [r.mean for r in vanilla])
+            found.append((off, {name: rows[name][0] for name in names}))
+    return sorted(found, key=lambda item: item[0])
+
+
+def main() -> None:
+    grid = settings_grid()
+    run_stage("screen", SCREEN, [(e, s) for s in grid for e in EXPERIMENTS])
+    for experiment in EXPERIMENTS:
+        closest = ranked("screen", experiment)[:CONFIRMED]
+        run_stage("confirm", CONFIRM, [(experiment, setting) for _, setting in closest])
+    lines = ["# Written by habilis.studies.calibrate, on the vanilla rows alone."]
+    for experiment in EXPERIMENTS:
+        off, setting = ranked("confirm", experiment)[0]
+        lines += ["", f"[{experiment.name}] # mean |log ratio| to the published counts: {off:.3f}"]
+        lines += [f"{name} = {value!r}".replace("'", '"') for name, value in setting.items()]
+    SETTINGS.write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,222 @@
+"""The things of a world as drawings: filled outlines in a unit cell, and nothing else.
+
+A renderer needs one idea only, the filled polygon: curves are sampled finely enough for cells of
+several hundred pixels, and thick lines are outlines too, so they grow with the cell. `SHAPES` is
+plain data that any renderer can read (`pictures.py` here, `Shape.path` for a page).
+
+Coordinates are `(x, y)` in units of a cell: x from 0 at the left to 1, y from 0 at the top to 1.
+"""
+
+from dataclasses import dataclass, replace
+from math import atan2, cos, pi, sin
+from typing import Literal
+
+Point = tuple[float, float]
+Side = Literal["north", "east", "south", "west"]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A filled outline.
+
+    Attributes:
+        points: its corners `(x, y)` in order, not closed (the last is not the first again).
+        fill: colour, as "#rrggbb".
+    """
+
+    points: tuple[Point, ...]
+    fill: str
+
+    @property
+    def path(self) -> str:
+        """The outline as the `d` attribute of an SVG `path`."""
+        return "M" + "L".join(f"{x:.4g} {y:.4g}" for x, y in self.points) + "Z"
+
+
+Drawing = tuple[Shape, ...]
+"""Shapes from the back to the front."""
+
+
+def placed(drawing: Drawing, x: float, y: float, size: float = 1.0) -> Drawing:
+    """The drawing scaled to `size` cells, the top left corner of its cell at `(x, y)`."""
+    return tuple(
+        replace(shape, points=tuple((x + size * px, y + size * py) for px, py in shape.points))
+        for shape in drawing
+    )
+
+
+def facing(drawing: Drawing, side: Side) -> Drawing:
+    """A tool's drawing turned about the middle of its cell, its working end towards `side`.
+
+    Tools are drawn with the working end to the south. A tool in hand faces away from the agent:
+    `side` is the side of the agent that it is on.
+    """
+    turns = ("south", "west", "north", "east").index(side)
+    for _ in range(turns):
+        drawing = tuple(
+            replace(shape, points=tuple((1 - y, x) for x, y in shape.points)) for shape in drawing
+        )
+    return drawing
+
+
+def _arc(x: float, y: float, rx: float, ry: float, start: float, stop: float) -> tuple[Point, ...]:
+    """Points on an ellipse about `(x, y)`, angles in quarter turns: 0 east, 1 south, 2 west."""
+    steps = max(1, round(abs(stop - start) * 10))
+    angles = [(start + (stop - start) * step / steps) * pi / 2 for step in range(steps + 1)]
+    return tuple((x + rx * cos(angle), y + ry * sin(angle)) for angle in angles)
+
+
+def _ellipse(fill: str, x: float, y: float, rx: float, ry: float) -> Shape:
+    return Shape(_arc(x, y, rx, ry, 0, 4)[:-1], fill)
+
+
+def _circle(fill: str, x: float, y: float, radius: float) -> Shape:
+    return _ellipse(fill, x, y, radius, radius)
+
+
+def _polygon(fill: str, *points: Point) -> Shape:
+    return Shape(points, fill)
+
+
+def _box(fill: str, left: float, top: float, right: float, bottom: float, r: float) -> Shape:
+    """A box with corners rounded by radius `r`."""
+    corners = (
+        _arc(right - r, bottom - r, r, r, 0, 1),
+        _arc(left + r, bottom - r, r, r, 1, 2),
+        _arc(left + r, top + r, r, r, 2, 3),
+        _arc(right - r, top + r, r, r, 3, 4),
+    )
+    return Shape(sum(corners, ()), fill)
+
+
+def _bow(
+    fill: str, x: float, y: float, radius: float, width: float, start: float, stop: float
+) -> Shape:
+    """A thick arc with round ends, clockwise from `start` to `stop` quarter turns."""
+    half = width / 2
+    outer, inner = radius + half, radius - half
+    first, *_, last = _arc(x, y, radius, radius, start, stop)
+    outline = (
+        _arc(x, y, outer, outer, start, stop),
+        _arc(*last, half, half, stop, stop + 2),
+        _arc(x, y, inner, inner, stop, start),
+        _arc(*first, half, half, start + 2, start + 4),
+    )
+    return Shape(sum(outline, ()), fill)
+
+
+def _rod(fill: str, width: float, start: Point, end: Point) -> Shape:
+    """A thick line with round ends."""
+    (x0, y0), (x1, y1) = start, end
+    along = atan2(y1 - y0, x1 - x0) / (pi / 2)
+    half = width / 2
+    caps = (
+        _arc(x1, y1, half, half, along - 1, along + 1),
+        _arc(x0, y0, half, half, along + 1, along + 3),
+    )
+    return Shape(sum(caps, ()), fill)
+
+
+_INK, _WHITE, _PAPER = "#1f2430", "#ffffff", "#f6f7f8"
+_ORANGE, _SKY, _GREEN, _BLUE, _YELLOW, _RED = (  # Okabe and Ito's, told apart by every eye
+    "#e69f00",
+    "#56b4e9",
+    "#009e73",
+    "#0072b2",
+    "#f0c24b",
+    "#d55e00",
+)
+_LEAF, _STRAW = "#00684c", "#c08414"
+_SILVER, _STEEL = "#cfd6de", "#8a94a3"
+
+_FLOOR: Drawing = (
+    _polygon("#d2d6db", (0, 0), (1, 0), (1, 1), (0, 1)),
+    _polygon(_PAPER, (0.013, 0.013), (0.987, 0.013), (0.987, 0.987), (0.013, 0.987)),
+)
+_PLATE: Drawing = (_box(_PAPER, 0, 0, 1, 1, 0.2),)
+_WALL: Drawing = (
+    # A little more than the cell, so that no light shows between neighbours.
+    _polygon("#1b1e24", (-0.01, -0.01), (1.01, -0.01), (1.01, 1.01), (-0.01, 1.01)),
+    _box("#2b2f38", 0.06, 0.06, 0.94, 0.94, 0.08),
+)
+_AGENT: Drawing = (
+    _box(_INK, 0.475, 0.1, 0.525, 0.24, 0.02),  # antenna
+    _circle(_ORANGE, 0.5, 0.1, 0.065),
+    _box(_INK, 0.1, 0.31, 0.9, 0.46, 0.06),  # ears
+    _box(_INK, 0.31, 0.84, 0.46, 0.96, 0.05),  # feet
+    _box(_INK, 0.54, 0.84, 0.69, 0.96, 0.05),
+    _box(_STEEL, 0.17, 0.64, 0.3, 0.83, 0.06),  # arms
+    _box(_STEEL, 0.7, 0.64, 0.83, 0.83, 0.06),
+    _box("#005f96", 0.27, 0.55, 0.73, 0.9, 0.1),  # body
+    _circle(_YELLOW, 0.5, 0.755, 0.055),
+    _box(_BLUE, 0.16, 0.19, 0.84, 0.62, 0.15),  # head
+    _box("#eaf5fc", 0.23, 0.27, 0.77, 0.55, 0.11),  # face
+    _ellipse(_INK, 0.375, 0.385, 0.055, 0.07),  # eyes
+    _ellipse(_INK, 0.625, 0.385, 0.055, 0.07),
+    _circle(_WHITE, 0.39, 0.36, 0.02),
+    _circle(_WHITE, 0.64, 0.36, 0.02),
+    _bow(_INK, 0.5, 0.415, 0.07, 0.032, 0.3, 1.7),  # smile
+)
+_PICKER: Drawing = (
+    _bow(_STEEL, 0.5, 0.14, 0.15, 0.05, 0.1, 1.0),  # trigger
+    _rod(_STEEL, 0.085, (0.5, 0.1), (0.5, 0.6)),  # shaft
+    _rod(_ORANGE, 0.13, (0.5, 0.09), (0.75, 0.13)),  # grip
+    _bow(_INK, 0.5, 0.76, 0.19, 0.08, -0.9, 0.55),  # jaws
+    _bow(_INK, 0.5, 0.76, 0.19, 0.08, 1.45, 2.9),
+    _circle(_ORANGE, 0.623, 0.904, 0.064),  # their pads
+    _circle(_ORANGE, 0.377, 0.904, 0.064),
+    _circle(_INK, 0.5, 0.58, 0.095),  # hinge
+    _circle(_SILVER, 0.5, 0.58, 0.04),
+)
+_BROOM: Drawing = (
+    _box("#9c6430", 0.46, 0.02, 0.54, 0.55, 0.04),  # stick
+    _polygon(
+        _YELLOW, (0.37, 0.57), (0.63, 0.57), (0.75, 0.72), (0.83, 0.95), (0.17, 0.95), (0.25, 0.72)
+    ),
+    _polygon(_STRAW, (0.28, 0.95), (0.325, 0.8), (0.345, 0.95)),  # gaps between the bristles
+    _polygon(_STRAW, (0.465, 0.95), (0.5, 0.77), (0.535, 0.95)),
+    _polygon(_STRAW, (0.655, 0.95), (0.675, 0.8), (0.72, 0.95)),
+    _polygon(_STRAW, (0.27, 0.695), (0.298, 0.66), (0.702, 0.66), (0.73, 0.695)),  # stitching
+    _box(_RED, 0.35, 0.48, 0.65, 0.61, 0.05),  # collar
+)
+_CAN: Drawing = (
+    _ellipse(_STEEL, 0.5, 0.855, 0.19, 0.07),  # foot
+    _polygon(_STEEL, (0.29, 0.22), (0.35, 0.13), (0.65, 0.13), (0.71, 0.22)),  # shoulder
+    _box(_RED, 0.27, 0.2, 0.73, 0.86, 0.06),
+    _polygon("#fbe3d0", (0.27, 0.61), (0.27, 0.49), (0.73, 0.39), (0.73, 0.51)),  # band
+    _box("#ef8a4a", 0.33, 0.27, 0.38, 0.42, 0.025),  # gleam
+    _ellipse(_SILVER, 0.5, 0.14, 0.17, 0.055),  # top
+    _ellipse(_INK, 0.5, 0.14, 0.055, 0.02),
+)
+_TUB: Drawing = (
+    _polygon(
+        _GREEN, (0.23, 0.32), (0.77, 0.32), (0.71, 0.9), (0.66, 0.95), (0.34, 0.95), (0.29, 0.9)
+    ),
+    _rod(_LEAF, 0.05, (0.37, 0.46), (0.395, 0.82)),
+    _rod(_LEAF, 0.05, (0.5, 0.46), (0.5, 0.82)),
+    _rod(_LEAF, 0.05, (0.63, 0.46), (0.605, 0.82)),
+)
+_BIN: Drawing = (
+    *_TUB,
+    _bow(_LEAF, 0.5, 0.21, 0.085, 0.045, 2, 4),  # handle
+    _box(_LEAF, 0.16, 0.22, 0.84, 0.34, 0.05),  # lid
+)
+_FULL_BIN: Drawing = (
+    _rod(_LEAF, 0.09, (0.8, 0.33), (0.93, 0.07)),  # lid, swung open
+    *placed(_CAN, 0.12, -0.05, 0.74),
+    *_TUB,
+    _box(_LEAF, 0.18, 0.3, 0.82, 0.38, 0.04),  # rim
+)
+
+SHAPES: dict[str, Drawing] = {
+    "floor": _FLOOR,
+    "plate": _PLATE,
+    "wall": _WALL,
+    "agent": _AGENT,
+    "picker": _PICKER,
+    "broom": _BROOM,
+    "can": _CAN,
+    "bin": _BIN,
+    "full bin": _FULL_BIN,
+}
+"""The drawing of each thing by its name; tools by the names that `tools.TOOLS` gives them."""

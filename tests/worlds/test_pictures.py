@@ -1,0 +1,330 @@
+"""Pictures show the state they are given, at the size they are asked for, the same every time."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from PIL import Image, ImageSequence
+
+from habilis.worlds.pictures import (
+    colored_text,
+    draw_landscape,
+    draw_world,
+    frame,
+    landscape_figure,
+    save_gif,
+    save_picture,
+    world_figure,
+)
+from habilis.worlds.shapes import SHAPES, facing
+from habilis.worlds.tools import TOOLS
+from habilis.worlds.world import Cell, World, load_world
+
+ROOM = World.parse("#####G\n#.....\n#..AP.\n#....C\n", name="room")
+SIDES: dict[str, Cell] = {"north": (1, 3), "east": (2, 4), "south": (3, 3), "west": (2, 2)}
+
+
+def pixels_of(picture: np.ndarray, cell: Cell, size: int) -> np.ndarray:
+    row, column = cell
+    return picture[row * size : (row + 1) * size, column * size : (column + 1) * size]
+
+
+def cells_that_differ(one: World, other: World, size: int = 32) -> set[Cell]:
+    first, second = frame(one, size), frame(other, size)
+    return {
+        (row, column)
+        for row in range(one.height)
+        for column in range(one.width)
+        if (pixels_of(first, (row, column), size) != pixels_of(second, (row, column), size)).any()
+    }
+
+
+def landscape_values(world: World) -> np.ndarray:
+    """Values from 0 to 3 bits, all different, NaN on walls, tool and can."""
+    values = np.linspace(0, 3, world.height * world.width).reshape(world.height, world.width)
+    for cell in {*world.walls, world.tool_cell, world.object}:
+        values[cell] = np.nan
+    return values
+
+
+def labels_of(world: World, values: np.ndarray, **settings) -> list[Text]:
+    ax = Figure().add_subplot()
+    draw_landscape(ax, world, values, **settings)
+    return list(ax.texts)
+
+
+def rendered(figure: Figure) -> np.ndarray:
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba()).copy()
+
+
+def contrast(one: np.ndarray, other: np.ndarray) -> float:
+    """The contrast ratio of two colours by WCAG 2: 1 for the same, 21 for black on white."""
+
+    def luminance(rgb: np.ndarray) -> float:
+        linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in rgb]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    darker, lighter = sorted([luminance(one), luminance(other)])
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+@pytest.mark.parametrize("size", [7, 24, 33, 200])
+def test_a_frame_has_cell_pixels_per_cell(size: int):
+    picture = frame(ROOM, size)
+    assert picture.shape == (4 * size, 6 * size, 3)
+    assert picture.dtype == np.uint8
+
+
+def test_no_size_of_figure_loses_a_pixel():
+    for cells in range(1, 40):
+        world = replace(ROOM, width=cells, height=cells)
+        for size in (1, 17, 24, 31, 48, 99):
+            canvas = world_figure(world, size).canvas
+            assert canvas.get_width_height() == (cells * size, cells * size)
+
+
+def test_a_wall_is_dark_and_the_floor_light():
+    picture = frame(ROOM, 32)
+    for cell in ROOM.walls:
+        assert pixels_of(picture, cell, 32).max() < 80
+    assert pixels_of(picture, (1, 1), 32)[16, 16].min() > 230
+
+
+def test_rows_go_down_and_columns_to_the_right():
+    walls = frozenset({(0, 2)})
+    picture = frame(replace(ROOM, walls=walls), 24)
+    assert pixels_of(picture, (0, 2), 24)[12, 12].max() < 80
+    assert pixels_of(picture, (3, 2), 24)[12, 12].min() > 230
+
+
+def test_moving_the_can_changes_its_two_cells_only():
+    moved = replace(ROOM, object=(1, 1))
+    assert cells_that_differ(ROOM, moved) == {(3, 5), (1, 1)}
+
+
+def test_a_can_on_the_goal_is_seen_in_the_bin():
+    delivered = replace(ROOM, object=ROOM.goal)
+    assert cells_that_differ(ROOM, delivered) == {(3, 5), ROOM.goal}
+
+
+@pytest.mark.parametrize("thing", ["agent", "tool_cell"])
+def test_the_goal_can_be_told_under_another_thing(thing: str):
+    on_goal = replace(ROOM, agent=(1, 1), tool_cell=(3, 1)) if thing == "agent" else ROOM
+    on_goal = replace(on_goal, **{thing: ROOM.goal})
+    elsewhere = replace(on_goal, goal=(3, 2))
+    assert cells_that_differ(on_goal, elsewhere) == {ROOM.goal, (3, 2)}
+
+
+@pytest.mark.parametrize("tool", TOOLS)
+def test_a_tool_in_hand_looks_different_on_each_side(tool: str):
+    looks = {
+        pixels_of(frame(replace(ROOM, tool=tool, tool_cell=cell)), cell, 32).tobytes()
+        for cell in SIDES.values()
+    }
+    assert len(looks) == 4
+
+
+@pytest.mark.parametrize("tool", TOOLS)
+def test_a_tool_out_of_reach_is_not_turned(tool: str):
+    far = [replace(ROOM, tool=tool, tool_cell=cell) for cell in [(1, 1), (1, 4), (3, 2)]]
+    looks = {pixels_of(frame(world), world.tool_cell, 32).tobytes() for world in far}
+    assert len(looks) == 1
+
+
+def test_the_pickers_claw_points_away_from_the_agent():
+    for side, (row, column) in SIDES.items():
+        away = np.array([column - ROOM.agent[1], row - ROOM.agent[0]])
+        hinge = facing(SHAPES["picker"], side)[-1]  # nearer the claw than the grip
+        assert (np.mean(hinge.points, axis=0) - 0.5) @ away > 0.05, side
+
+
+def test_without_a_tool_none_is_drawn():
+    bare = ROOM.with_tool("none")
+    assert cells_that_differ(ROOM, bare) == {ROOM.tool_cell}
+    assert cells_that_differ(bare, replace(bare, tool_cell=None)) == set()
+
+
+def test_every_tool_has_a_drawing():
+    assert set(TOOLS) <= set(SHAPES)
+
+
+def test_every_drawing_stays_in_its_cell():
+    for name, drawing in SHAPES.items():
+        points = np.concatenate([shape.points for shape in drawing])
+        margin = 0.011 if name == "wall" else 0
+        assert points.min() >= -margin, name
+        assert points.max() <= 1 + margin, name
+
+
+def test_a_path_visits_every_point_and_closes():
+    shape = SHAPES["floor"][0]
+    assert shape.path == "M0 0L1 0L1 1L0 1Z"
+
+
+def test_without_a_background_the_floor_is_left_out():
+    ax = Figure().add_subplot()
+    draw_world(ax, ROOM, background=False)
+    bare = sum(len(areas.get_paths()) for areas in ax.collections)
+    ax.clear()
+    draw_world(ax, ROOM)
+    full = sum(len(areas.get_paths()) for areas in ax.collections)
+    assert full - bare == ROOM.height * ROOM.width * len(SHAPES["floor"])
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf", ".PNG"])
+def test_the_same_picture_is_the_same_bytes(suffix: str, tmp_path: Path):
+    paths = [tmp_path / f"one{suffix}", tmp_path / f"two{suffix}"]
+    for path in paths:
+        save_picture(ROOM, path)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_a_saved_png_has_the_size_asked_for(tmp_path: Path):
+    save_picture(ROOM, tmp_path / "room.png", cell=25)
+    assert Image.open(tmp_path / "room.png").size == (150, 100)
+
+
+@pytest.mark.parametrize("name", ["room.bmp", "room", "room.svg.gz"])
+def test_an_unknown_suffix_is_refused_and_named(name: str, tmp_path: Path):
+    path = tmp_path / name
+    with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf") as caught:
+        save_picture(ROOM, path)
+    assert repr(path.suffix) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not path.exists()
+
+
+def walk() -> list[World]:
+    bare = ROOM.with_tool("none")
+    return [replace(bare, agent=(1, column)) for column in range(1, 5)]
+
+
+def frames_of(path: Path) -> list[Image.Image]:
+    return [image.copy() for image in ImageSequence.Iterator(Image.open(path))]
+
+
+def test_a_film_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
+    save_gif(walk(), tmp_path / "walk.gif", cell=20, milliseconds=100)
+    frames = frames_of(tmp_path / "walk.gif")
+    assert [image.size for image in frames] == [(120, 80)] * 4
+    durations = [image.info["duration"] for image in frames]
+    assert durations[:3] == [100] * 3
+    assert durations[3] > 300
+
+
+def test_still_things_do_not_flicker_in_a_film(tmp_path: Path):
+    save_gif(walk(), tmp_path / "walk.gif")
+    pictures = [np.asarray(image.convert("RGB")) for image in frames_of(tmp_path / "walk.gif")]
+    assert len({pixels_of(picture, ROOM.object, 32).tobytes() for picture in pictures}) == 1
+
+
+def test_a_film_keeps_the_colours_of_its_frames(tmp_path: Path):
+    states = [*walk(), replace(ROOM, tool="none", object=ROOM.goal)]
+    save_gif(states, tmp_path / "walk.gif")
+    for state, image in zip(states, frames_of(tmp_path / "walk.gif"), strict=True):
+        error = np.abs(np.asarray(image.convert("RGB")).astype(int) - frame(state))
+        assert error.max() < 40
+        assert error.mean() < 1
+
+
+def test_a_film_of_nothing_or_with_another_suffix_is_refused(tmp_path: Path):
+    with pytest.raises(ValueError, match="no states"):
+        save_gif([], tmp_path / "walk.gif")
+    with pytest.raises(ValueError, match=r"'\.png'.*\.gif"):
+        save_gif([ROOM], tmp_path / "walk.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_landscape_has_a_label_for_every_value():
+    values = landscape_values(ROOM)
+    labels = labels_of(ROOM, values)
+    assert len(labels) == np.isfinite(values).sum()
+    assert {label.get_text() for label in labels} >= {"1.8", "2.9"}
+    assert labels_of(ROOM, values, labels=False) == []
+
+
+def test_a_value_a_little_below_zero_is_not_printed_as_minus_zero():
+    values = np.where(np.isfinite(landscape_values(ROOM)), -1e-12, np.nan)
+    assert {label.get_text() for label in labels_of(ROOM, values)} == {"0.0"}
+
+
+def test_labels_can_be_read_on_every_colour_of_the_scale():
+    world = World("strip", 1, 300, frozenset(), agent=(0, 0), object=(0, 297), goal=(0, 298))
+    values = np.linspace(0, 1, 300)[None]
+    ax = Figure().add_subplot()
+    heat = draw_landscape(ax, world, values)
+    colours = heat.to_rgba(values)[0, :, :3]
+    inks = set()
+    for label in ax.texts:
+        ink = label.get_color()
+        inks.add(ink)
+        column = int(label.get_position()[0])
+        assert contrast(np.array(to_rgb(ink)), colours[column]) >= 4.5
+    assert inks == {"black", "white"}
+
+
+def test_a_landscape_does_not_show_the_agent():
+    values = landscape_values(ROOM)
+    elsewhere = replace(ROOM, agent=(1, 1))
+    one, other = (landscape_figure(world, {"room": values}) for world in (ROOM, elsewhere))
+    assert (rendered(one) == rendered(other)).all()
+
+
+def test_a_landscape_shows_bin_can_and_tool():
+    values = landscape_values(ROOM)
+    plain = rendered(landscape_figure(ROOM, {"room": values}))
+    for change in ({"goal": (1, 1)}, {"object": (1, 1)}, {"tool": "broom"}, {"tool": "none"}):
+        changed = rendered(landscape_figure(replace(ROOM, **change), {"room": values}))
+        assert (plain != changed).any(), change
+
+
+def test_panels_share_the_scale_of_one_bar():
+    low = landscape_values(ROOM)
+    figure = landscape_figure(ROOM, {"low": low, "high": low + 4})
+    *panels, bar = figure.axes
+    assert [ax.get_title() for ax in panels] == ["low", "high"]
+    heats = [areas for ax in panels for areas in ax.collections if areas.get_array() is not None]
+    assert [heat.get_clim() for heat in heats] == [(np.nanmin(low), np.nanmax(low) + 4)] * 2
+    assert bar.get_ylabel() == "bits"
+    assert bar.get_ylim() == heats[0].get_clim()
+
+
+@pytest.mark.parametrize("value", [0.0, 2.5, np.nan])
+def test_a_landscape_without_differences_has_a_scale(value: float):
+    figure = landscape_figure(ROOM, {"flat": np.full((ROOM.height, ROOM.width), value)})
+    low, high = figure.axes[-1].get_ylim()
+    assert low == np.nan_to_num(value)
+    assert high > low
+
+
+def test_values_of_another_shape_are_refused_and_so_are_no_panels():
+    with pytest.raises(ValueError, match=r"room: .*4 rows and 6 columns.*\(6, 4\)"):
+        landscape_figure(ROOM, {"turned": np.zeros((6, 4))})
+    with pytest.raises(ValueError, match="no landscapes"):
+        landscape_figure(ROOM, {})
+
+
+def test_coloured_text_is_the_map_with_two_characters_a_cell():
+    for world in (ROOM, load_world("corridor")):
+        lines = colored_text(world).plain.split("\n")
+        assert [line[::2] for line in lines] == world.text().splitlines()
+        assert {line[1::2] for line in lines} == {" " * world.width}
+
+
+def test_coloured_text_tells_the_goal_under_the_can():
+    delivered = replace(ROOM, object=ROOM.goal)
+    assert colored_text(delivered).plain.startswith("# # # # # CG\n")
+
+
+def test_coloured_text_gives_each_thing_its_own_colour():
+    text = colored_text(ROOM)
+    styles = {text.plain[span.start]: span.style for span in text.spans if span.end > span.start}
+    things = [styles[letter] for letter in "#APCG"]
+    assert len(set(things)) == len(things)
