@@ -1,1 +1,57 @@
+"""Habilis: exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it.
+
+    import habilis as hb
+
+    mdp = hb.tabulate(hb.load_world("corridor"))
+    bits = hb.empowerment(mdp, horizon=6, sensor="object")
+
+The learning half (`train`, `Config`, `reproduce`) is imported on first use and needs the extra
+`habilis[learn]`.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from habilis.empowerment import empowerment
+from habilis.mdp import TabularMDP
+from habilis.worlds.plans import Plan, solve
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import World, load_world, world_names
+
+if TYPE_CHECKING:
+    from habilis.learning.config import Config
+    from habilis.learning.train import train
+    from habilis.studies.reproduce import reproduce
+
 __version__ = "0.1.0"
+
+__all__ = [
+    "Config",
+    "Plan",
+    "TabularMDP",
+    "World",
+    "empowerment",
+    "load_world",
+    "reproduce",
+    "solve",
+    "tabulate",
+    "train",
+    "world_names",
+]
+
+_LEARNING = {
+    "Config": "habilis.learning.config",
+    "train": "habilis.learning.train",
+    "reproduce": "habilis.studies.reproduce",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LEARNING:
+        raise AttributeError(f"module 'habilis' has no attribute {name!r}")
+    from habilis.extras import import_from
+
+    return getattr(import_from(_LEARNING[name], extra="learn"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_LEARNING])

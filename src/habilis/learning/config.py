@@ -1,63 +1,61 @@
 """What a training run is made of."""
 
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 NO_INTRINSIC = "none"
 OPTIMIZERS = ("rmsprop", "adam")
+
+Value = TypeVar("Value")
+
+
+def _setting(default: Value, text: str) -> Value:
+    """A field with its description, which the command line shows as help."""
+    return field(default=default, metadata={"help": text})
 
 
 @dataclass(frozen=True)
 class Config:
     """One row of a table: a world, an intrinsic reward, the A2C settings, and how many runs.
 
+    Every field is described where it stands, and is an option of `habilis train`.
+
+    Raises:
+        ValueError: a field is out of its range.
+
     Example:
         >>> Config(world="yard", intrinsic="object", horizon=3, beta=0.08).regularised
         True
     """
 
-    world: str = "corridor"
-    """A built-in world's name or the path of a map."""
-    tool: str | None = None
-    """Takes the place of the map's own tool; `None` keeps that."""
-    intrinsic: str = NO_INTRINSIC
-    """The sensor whose empowerment is added to the reward: "state", a factor's name, "none"."""
-    horizon: int = 0
-    """Horizon of that empowerment, in actions."""
-    beta: float = 0.0
-    """Its weight: the agent learns from `reward + beta * bits` of the state a step leads to."""
-    runs: int = 10
-    """Independent runs; run i of seed s is the same whatever else trains beside it."""
-    seed: int = 0
-    """Where the runs' random numbers start."""
-    episodes: int = 60_000
-    """Budget: a run that has not converged by then counts as not converged."""
-    steps: int = 100_000_000
-    """Budget of environment steps of one run; whichever budget is used up first ends it."""
-    envs: int = 16
-    """Environments that each run steps together."""
-    rollout: int = 5
-    """Steps of each environment between two updates."""
-    episode_limit: int = 500
-    """Steps after which an episode is cut off (truncated, not terminated)."""
-    learning_rate: float = 2e-3
-    """Constant step size of the optimiser."""
-    optimizer: str = "rmsprop"
-    """ "rmsprop" (decay 0.99, epsilon 1e-5) or "adam"."""
-    clip: float = 0.5
-    """Largest norm of the whole gradient."""
-    entropy: float = 0.02
-    """Weight of the policy's entropy (nats) in the loss."""
-    value: float = 0.5
-    """Weight of the value's squared error in the loss."""
-    discount: float = 0.99
-    """Discount factor, gamma."""
-    gae_lambda: float = 1.0
-    """Lambda of the generalised advantage estimate; 1 is plain n-step returns."""
-    reward_scale: float = 1.0
-    """Factor on the regularised reward that the agent learns from; counted returns have none."""
-    hidden: tuple[int, ...] = field(default=(64, 64))
-    """Widths of the network's hidden layers."""
+    world: str = _setting("corridor", "a built-in world's name or the path of a map")
+    tool: str | None = _setting(None, "takes the place of the map's own tool")
+    intrinsic: str = _setting(
+        NO_INTRINSIC,
+        'sensor whose empowerment is added to the reward: "state", a factor\'s name, or "none"',
+    )
+    horizon: int = _setting(0, "horizon of that empowerment, in actions")
+    beta: float = _setting(
+        0.0, "weight of that empowerment: the agent learns from reward + beta * bits(next state)"
+    )
+    runs: int = _setting(10, "independent runs")
+    seed: int = _setting(0, "where the runs' random numbers start")
+    episodes: int = _setting(100_000, "episodes after which a run is given up")
+    steps: int = _setting(100_000_000, "environment steps after which a run is given up")
+    envs: int = _setting(16, "environments that each run steps together")
+    rollout: int = _setting(5, "steps of each environment between two updates")
+    episode_limit: int = _setting(500, "steps after which an episode is cut off (truncated)")
+    learning_rate: float = _setting(2e-3, "step size of the optimiser")
+    optimizer: str = _setting("rmsprop", "rmsprop (decay 0.99, epsilon 1e-5) or adam")
+    clip: float = _setting(0.5, "largest norm of the gradient")
+    entropy: float = _setting(0.02, "weight of the policy's entropy (nats) in the loss")
+    value: float = _setting(0.5, "weight of the value's squared error in the loss")
+    discount: float = _setting(0.99, "discount factor, gamma")
+    gae_lambda: float = _setting(1.0, "lambda of the generalised advantage; 1: n-step returns")
+    reward_scale: float = _setting(
+        1.0, "factor on the reward that the agent learns from (counted returns have none)"
+    )
+    hidden: tuple[int, ...] = _setting((64, 64), "widths of the network's hidden layers")
 
     def __post_init__(self) -> None:
         for name, least in _LEAST.items():

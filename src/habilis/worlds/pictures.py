@@ -131,7 +131,8 @@ def save_gif(
         raise ValueError(f"{path}: a film of no states; give at least one")
     frames = [frame(world, cell) for world in worlds]
     # One palette, so that still things do not flicker; the ends have all the colours there are.
-    palette = Image.fromarray(np.concatenate([frames[0], frames[-1]])).quantize()
+    ends = Image.fromarray(np.concatenate([frames[0], frames[-1]]))
+    palette = ends.quantize(method=Image.Quantize.FASTOCTREE)
     first, *rest = (
         Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE)
         for pixels in frames
@@ -226,22 +227,21 @@ def landscape_figure(
     finite = np.concatenate([values[np.isfinite(values)] for values in panels.values()])
     vmin = float(finite.min()) if finite.size else 0.0
     vmax = float(finite.max()) if np.unique(finite).size > 1 else vmin + 1  # a scale needs two ends
-    gap, title, bar, bar_label = 24, 36, 16, 64  # pixels
-    wide, high = cell * world.width, cell * world.height
-    width = gap + len(panels) * (wide + gap) + bar + bar_label
-    height = title + high + gap
+    gap, head, bar, bar_label = 24, 36, 16, 64  # pixels
+    map_width, map_height = cell * world.width, cell * world.height
+    width = gap + len(panels) * (map_width + gap) + bar + bar_label
+    height = head + map_height + gap
     figure = _figure(width, height)
 
-    def axes(left: int, wide: int) -> Axes:
-        return figure.add_axes((left / width, gap / height, wide / width, high / height))
+    def column(left: int, across: int) -> Axes:
+        box = (left / width, gap / height, across / width, map_height / height)
+        return figure.add_axes(box)
 
-    heats = [
-        draw_landscape(
-            axes(gap + number * (wide + gap), wide), world, values, vmin=vmin, vmax=vmax, title=name
-        )
-        for number, (name, values) in enumerate(panels.items())
-    ]
-    bar_ax = axes(width - bar_label - bar, bar)
+    heats = []
+    for number, (name, values) in enumerate(panels.items()):
+        ax = column(gap + number * (map_width + gap), map_width)
+        heats.append(draw_landscape(ax, world, values, vmin=vmin, vmax=vmax, title=name))
+    bar_ax = column(width - bar_label - bar, bar)
     figure.colorbar(heats[0], cax=bar_ax, label="bits").outline.set_visible(False)
     return figure
 
@@ -284,7 +284,7 @@ def _fit(ax: Axes, world: World) -> None:
 
 def _at(cell: Cell, drawing: Drawing) -> Drawing:
     row, column = cell
-    return placed(drawing, column, row)
+    return placed(drawing, float(column), float(row))
 
 
 def _small_at(cell: Cell, drawing: Drawing, *, above_label: bool) -> Drawing:

@@ -67,7 +67,7 @@ def _arc(x: float, y: float, rx: float, ry: float, start: float, stop: float) ->
 
 
 def _ellipse(fill: str, x: float, y: float, rx: float, ry: float) -> Shape:
-    return Shape(_arc(x, y, rx, ry, 0, 4)[:-1], fill)
+    return Shape(_arc(x, y, rx, ry, 0.0, 4.0)[:-1], fill)
 
 
 def _circle(fill: str, x: float, y: float, radius: float) -> Shape:
@@ -81,10 +81,10 @@ def _polygon(fill: str, *points: Point) -> Shape:
 def _box(fill: str, left: float, top: float, right: float, bottom: float, r: float) -> Shape:
     """A box with corners rounded by radius `r`."""
     corners = (
-        _arc(right - r, bottom - r, r, r, 0, 1),
-        _arc(left + r, bottom - r, r, r, 1, 2),
-        _arc(left + r, top + r, r, r, 2, 3),
-        _arc(right - r, top + r, r, r, 3, 4),
+        _arc(right - r, bottom - r, r, r, 0.0, 1.0),
+        _arc(left + r, bottom - r, r, r, 1.0, 2.0),
+        _arc(left + r, top + r, r, r, 2.0, 3.0),
+        _arc(right - r, top + r, r, r, 3.0, 4.0),
     )
     return Shape(sum(corners, ()), fill)
 
@@ -98,9 +98,9 @@ def _bow(
     first, *_, last = _arc(x, y, radius, radius, start, stop)
     outline = (
         _arc(x, y, outer, outer, start, stop),
-        _arc(*last, half, half, stop, stop + 2),
+        _arc(*last, half, half, stop, stop + 2.0),
         _arc(x, y, inner, inner, stop, start),
-        _arc(*first, half, half, start + 2, start + 4),
+        _arc(*first, half, half, start + 2.0, start + 4.0),
     )
     return Shape(sum(outline, ()), fill)
 
@@ -111,29 +111,23 @@ def _rod(fill: str, width: float, start: Point, end: Point) -> Shape:
     along = atan2(y1 - y0, x1 - x0) / (pi / 2)
     half = width / 2
     caps = (
-        _arc(x1, y1, half, half, along - 1, along + 1),
-        _arc(x0, y0, half, half, along + 1, along + 3),
+        _arc(x1, y1, half, half, along - 1.0, along + 1.0),
+        _arc(x0, y0, half, half, along + 1.0, along + 3.0),
     )
     return Shape(sum(caps, ()), fill)
 
 
 _INK, _WHITE, _PAPER = "#1f2430", "#ffffff", "#f6f7f8"
-_ORANGE, _SKY, _GREEN, _BLUE, _YELLOW, _RED = (  # Okabe and Ito's, told apart by every eye
-    "#e69f00",
-    "#56b4e9",
-    "#009e73",
-    "#0072b2",
-    "#f0c24b",
-    "#d55e00",
-)
-_LEAF, _STRAW = "#00684c", "#c08414"
+# The main colours are Okabe and Ito's, which every kind of eye can tell apart.
+_ORANGE, _GREEN, _BLUE, _RED = "#e69f00", "#009e73", "#0072b2", "#d55e00"
+_LEAF, _STRAW, _YELLOW = "#00684c", "#c08414", "#f0c24b"
 _SILVER, _STEEL = "#cfd6de", "#8a94a3"
 
 _FLOOR: Drawing = (
-    _polygon("#d2d6db", (0, 0), (1, 0), (1, 1), (0, 1)),
+    _polygon("#d2d6db", (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)),
     _polygon(_PAPER, (0.013, 0.013), (0.987, 0.013), (0.987, 0.987), (0.013, 0.987)),
 )
-_PLATE: Drawing = (_box(_PAPER, 0, 0, 1, 1, 0.2),)
+_PLATE: Drawing = (_box(_PAPER, 0.0, 0.0, 1.0, 1.0, 0.2),)
 _WALL: Drawing = (
     # A little more than the cell, so that no light shows between neighbours.
     _polygon("#1b1e24", (-0.01, -0.01), (1.01, -0.01), (1.01, 1.01), (-0.01, 1.01)),
@@ -198,7 +192,7 @@ _TUB: Drawing = (
 )
 _BIN: Drawing = (
     *_TUB,
-    _bow(_LEAF, 0.5, 0.21, 0.085, 0.045, 2, 4),  # handle
+    _bow(_LEAF, 0.5, 0.21, 0.085, 0.045, 2.0, 4.0),  # handle
     _box(_LEAF, 0.16, 0.22, 0.84, 0.34, 0.05),  # lid
 )
 _FULL_BIN: Drawing = (

@@ -1,0 +1,159 @@
+"""Measures made of empowerment: averages that compare tools, and landscapes."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Float64
+from numpy.typing import ArrayLike
+
+from habilis.empowerment.core import empowerment
+from habilis.mdp import TabularMDP
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import NO_TOOL, Cell, World
+
+
+def average_empowerment(mdp: TabularMDP, horizon: int, sensor: str = "object") -> float:
+    """Mean empowerment over the states that compare tools, in bits.
+
+    With a tool, these are all placements with the tool in hand; without one, all placements.
+    Through the sensor "object" they are the paper's average tool's object empowerment and
+    average agent's object empowerment (section III-B.3).
+
+    Args:
+        mdp: a world's table.
+        horizon: h, in actions.
+        sensor: as in `empowerment`.
+
+    Raises:
+        ValueError: as in `empowerment`, or the tool can never be in hand.
+
+    Example:
+        >>> from habilis.worlds.world import load_world
+        >>> mdp = tabulate(load_world("yard", tool="none"))
+        >>> round(average_empowerment(mdp, horizon=3), 2)
+        0.23
+    """
+    states = compared_states(mdp)
+    if not states.any():
+        raise ValueError("there is no room to hold the tool; leave two free cells side by side")
+    return float(empowerment(mdp, horizon, sensor, states=states).mean())
+
+
+def compared_states(mdp: TabularMDP) -> np.ndarray:
+    """bool[S]: the states over which averages go."""
+    return mdp.flags["equipped"] if "tool" in mdp.factors else np.ones(mdp.states, bool)
+
+
+def compare(world: World, tools: Sequence[str], horizon: int) -> dict[str, float]:
+    """Average object empowerment of an agent with each tool in the same world, in bits.
+
+    Args:
+        world: the map.
+        tools: names of tools; "none" is the bare agent.
+        horizon: h, in actions.
+
+    Raises:
+        ValueError: no tools, an unknown one, or a map that has no place for one.
+
+    Example:
+        >>> from habilis.worlds.world import load_world
+        >>> averages = compare(load_world("yard"), ["picker", "none"], horizon=3)
+        >>> {tool: round(bits, 2) for tool, bits in averages.items()}
+        {'picker': 0.52, 'none': 0.23}
+    """
+    if not tools:
+        raise ValueError(f"no tools to compare; name some, such as picker,broom,{NO_TOOL}")
+    return {
+        tool: average_empowerment(tabulate(world.with_tool(tool)), horizon, "object")
+        for tool in tools
+    }
+
+
+def landscape_states(
+    mdp: TabularMDP, tool: Cell | None, object: Cell
+) -> tuple[np.ndarray, np.ndarray]:
+    """The states of a landscape: every agent cell, tool and object fixed.
+
+    Args:
+        mdp: a world's table.
+        tool: the tool's cell; not looked at in a table without a tool.
+        object: the object's cell.
+
+    Returns:
+        The states, and for each the agent's label (`row * width + column`).
+
+    Raises:
+        ValueError: there is no state with tool and object there.
+    """
+    here = mdp.factor("object") == _label(mdp, object)
+    if "tool" in mdp.factors:
+        if tool is None:
+            raise ValueError("the tool has no cell; give tool=(row, column)")
+        here &= mdp.factor("tool") == _label(mdp, tool)
+    states = np.flatnonzero(here)
+    if not len(states):
+        raise ValueError(
+            f"no state has the tool at {tool} and the object at {object}; "
+            "give two distinct free cells, the tool's beside a free one or the map's own"
+        )
+    return states, mdp.factor("agent")[states]
+
+
+def landscape(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: str | ArrayLike = "state",
+    actions: Sequence[int] | None = None,
+    *,
+    tool: Cell | None = None,
+    object: Cell,
+) -> Float64[np.ndarray, "rows columns"]:
+    """Empowerment for every agent cell, tool and object fixed, in bits.
+
+    Args:
+        mdp: a world's table.
+        horizon, sensor, actions: as in `empowerment`.
+        tool, object: their cells. The agent next to the tool has it in hand; where the tool
+            does not lie at its cell of the map, there are only such states.
+
+    Returns:
+        Bits by cell; NaN where the agent cannot be: walls, the cells of tool and object.
+
+    Raises:
+        ValueError: the table is not a world's, or no state has tool and object there.
+    """
+    if mdp.shape is None:
+        raise ValueError("this MDP has no cells; a landscape needs a world's table")
+    states, cells = landscape_states(mdp, tool, object)
+    values = np.full(mdp.shape[0] * mdp.shape[1], np.nan)
+    values[cells] = empowerment(mdp, horizon, sensor, actions, states)
+    return values.reshape(mdp.shape)
+
+
+def world_landscape(
+    world: World,
+    horizon: int,
+    sensor: str = "state",
+    actions: Sequence[int] | None = None,
+) -> Float64[np.ndarray, "rows columns"]:
+    """The `landscape` of a world with tool and object at their cells of the map.
+
+    Example:
+        >>> from habilis.worlds.world import load_world
+        >>> float(np.nanmax(world_landscape(load_world("corridor"), 1, "object")))
+        1.0
+    """
+    mdp = tabulate(world)
+    return landscape(mdp, horizon, sensor, actions, tool=world.tool_cell, object=world.object)
+
+
+def ranking(averages: Mapping[str, float]) -> list[str]:
+    """The tools from the most to the least empowering."""
+    return sorted(averages, key=lambda tool: -averages[tool])
+
+
+def _label(mdp: TabularMDP, cell: Cell) -> int:
+    assert mdp.shape is not None
+    row, column = cell
+    inside = 0 <= row < mdp.shape[0] and 0 <= column < mdp.shape[1]
+    return row * mdp.shape[1] + column if inside else -2

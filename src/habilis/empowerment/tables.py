@@ -1,0 +1,39 @@
+"""Per-state values as tables."""
+
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+from jaxtyping import Float64
+
+from habilis.mdp import TabularMDP
+
+
+def state_table(mdp: TabularMDP, bits: Float64[np.ndarray, "S"]) -> pl.DataFrame:
+    """One row a state: its index, its factors (cells as row and column), flags, and bits.
+
+    Args:
+        mdp: the table.
+        bits: a value for every state.
+    """
+    columns: dict[str, np.ndarray] = {"state": np.arange(mdp.states)}
+    for name, labels in mdp.factors.items():
+        if mdp.shape is None:
+            columns[name] = labels
+        else:
+            columns[f"{name}_row"], columns[f"{name}_column"] = np.divmod(labels, mdp.shape[1])
+    return pl.DataFrame(columns | dict(mdp.flags) | {"bits": bits})
+
+
+def save_table(table: pl.DataFrame, path: Path) -> None:
+    """Writes a table by the file's suffix.
+
+    Raises:
+        ValueError: the suffix is neither .csv nor .parquet.
+    """
+    if path.suffix == ".csv":
+        table.write_csv(path)
+    elif path.suffix == ".parquet":
+        table.write_parquet(path)
+    else:
+        raise ValueError(f"{path}: unknown kind of file {path.suffix!r}; use .csv or .parquet")

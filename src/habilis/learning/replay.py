@@ -1,0 +1,85 @@
+"""What an agent learned, acted out."""
+
+from dataclasses import dataclass, replace
+
+import jax
+import numpy as np
+
+from habilis.learning.runs import Run
+from habilis.learning.train import make_task
+from habilis.mdp import TabularMDP
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import World
+
+
+@dataclass(frozen=True)
+class Episode:
+    """An episode of the greedy policy.
+
+    Attributes:
+        states: passed through, the first to the last (one more than actions).
+        actions: taken.
+        episode_return: extrinsic, undiscounted.
+        finished: whether the goal was reached.
+    """
+
+    states: tuple[int, ...]
+    actions: tuple[int, ...]
+    episode_return: float
+    finished: bool
+
+
+def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
+    """The most probable action in every state, int[S].
+
+    Args:
+        run: a trained run.
+        mdp: the table of its world.
+        index: which of its runs.
+    """
+    network = jax.tree.map(lambda leaf: leaf[index], run.networks)
+    logits, _ = network(make_task(mdp)[0].inputs)
+    return np.asarray(logits.argmax(axis=-1))
+
+
+def play(run: Run, index: int = 0) -> Episode:
+    """Acts out one run's greedy policy from the start.
+
+    The policy and the world are deterministic, so an episode that comes back to a state will
+    never reach the goal: it ends there.
+
+    Raises:
+        ValueError: there is no such run.
+    """
+    if not 0 <= index < run.config.runs:
+        raise ValueError(f"run is {index}; use 0 to {run.config.runs - 1}")
+    mdp = tabulate(run.world)
+    policy = greedy_actions(run, mdp, index)
+    states, actions, total = [mdp.start], [], 0.0
+    while True:
+        action = int(policy[states[-1]])
+        total += float(mdp.reward[states[-1], action])
+        reached = int(mdp.next_state[states[-1], action])
+        actions.append(action)
+        again = reached in states
+        states.append(reached)
+        if mdp.terminal[reached] or again:
+            finished = bool(mdp.terminal[reached])
+            return Episode(tuple(states), tuple(actions), total, finished)
+
+
+def placements(world: World, mdp: TabularMDP, states: tuple[int, ...]) -> list[World]:
+    """States as worlds: the same map with its things at other cells."""
+
+    def cell(name: str, state: int):
+        return divmod(int(mdp.factor(name)[state]), world.width)
+
+    return [
+        replace(
+            world,
+            agent=cell("agent", state),
+            object=cell("object", state),
+            tool_cell=cell("tool", state) if "tool" in mdp.factors else world.tool_cell,
+        )
+        for state in states
+    ]
