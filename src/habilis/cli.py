@@ -10,11 +10,13 @@ from typing import Any, NoReturn
 import numpy as np
 
 import habilis
-from habilis.extras import MissingExtra, import_from
+from habilis.extras import MissingExtraError, import_from
 from habilis.worlds.rules import ACTIONS
-from habilis.worlds.world import NO_TOOL, Cell, World, load_world, world_names
+from habilis.worlds.world import NO_TOOL, Cell, load_world, world_names
 
 Args = argparse.Namespace
+
+_ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -27,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         args = _parser().parse_args(arguments)
         return args.verb(args)
-    except (ValueError, MissingExtra, FloatingPointError) as error:
+    except (ValueError, MissingExtraError, FloatingPointError) as error:
         print(f"habilis: {error}", file=sys.stderr)
         return 2
     except BrokenPipeError:
@@ -104,7 +106,7 @@ def empowerment(args: Args) -> int:
 
 def landscape(args: Args) -> int:
     from habilis.empowerment.measures import landscape as measure
-    from habilis.worlds.pictures import landscape_figure
+    from habilis.worlds.pictures import landscape_figure, save_figure
 
     world = load_world(args.world, args.tool)
     mdp = habilis.tabulate(world)
@@ -118,7 +120,7 @@ def landscape(args: Args) -> int:
         shown = replace(world, tool_cell=tool, object=thing)
         title = f"{args.horizon}-step empowerment, sensor {args.sensor!r}"
         figure = landscape_figure(shown, {title: values})
-        _save(args.out, figure.savefig)
+        _save(args.out, lambda path: save_figure(figure, path))
     if args.json:
         rows = [[None if np.isnan(v) else v for v in row] for row in values.tolist()]
         return _print_json({"values": rows})
@@ -228,7 +230,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="habilis", description=habilis.__doc__.splitlines()[0])
+    parser = _Parser(prog="habilis", description=_ABOUT)
     parser.add_argument("--version", action="version", version=habilis.__version__)
     verbs = parser.add_subparsers(required=True, metavar="VERB", parser_class=_Parser)
 

@@ -6,7 +6,7 @@ from types import ModuleType
 _OF_EXTRA = {"learn": ("jax", "jaxlib", "equinox", "optax", "jinja2", "scipy")}
 
 
-class MissingExtra(ImportError):
+class MissingExtraError(ImportError):
     """A part of Habilis is used whose packages are not installed."""
 
 
@@ -14,13 +14,13 @@ def import_from(module: str, extra: str) -> ModuleType:
     """Imports one of our modules that needs an extra.
 
     Raises:
-        MissingExtra: a package of the extra is not installed; the message says what to run.
+        MissingExtraError: a package of the extra is not installed; the message says what to run.
     """
     try:
         return import_module(module)
     except ModuleNotFoundError as error:
         if error.name is None or error.name.partition(".")[0] not in _OF_EXTRA[extra]:
             raise
-        raise MissingExtra(
+        raise MissingExtraError(
             f"{error.name} is not installed; run: pip install 'habilis[{extra}]'"
         ) from None

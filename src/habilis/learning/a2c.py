@@ -89,9 +89,7 @@ class _Steps(NamedTuple):
 
 
 @partial(jax.jit, static_argnames="shape")
-def start_lanes(
-    task: Task, settings: Settings, shape: Shape, keys: PRNGKeyArray
-) -> Lane:
+def start_lanes(task: Task, settings: Settings, shape: Shape, keys: PRNGKeyArray) -> Lane:
     """Runs before their first step, one for each key; settings have a leading axis of lanes."""
 
     def one_lane(settings: Settings, key: PRNGKeyArray) -> Lane:

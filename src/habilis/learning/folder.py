@@ -1,10 +1,10 @@
 """A run's folder: what training leaves on disk.
 
-    config.json         the configuration
-    world.txt           the map, with the tool that was used
-    episodes.parquet    `Run.episodes`
-    summary.json        best return, and each run's episodes to convergence
-    parameters.npz      the networks' parameters, runs along the first axis
+config.json         the configuration
+world.txt           the map, with the tool that was used
+episodes.parquet    `Run.episodes`
+summary.json        best return, and each run's episodes to convergence
+parameters.npz      the networks' parameters, runs along the first axis
 """
 
 import json
@@ -56,7 +56,7 @@ def save_run(run: Run, folder: Path) -> None:
         (folder / "world.txt").write_text(run.world.text())
         (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
         run.episodes.write_parquet(folder / "episodes.parquet")
-        np.savez(folder / "parameters.npz", **parameters)
+        np.savez(folder / "parameters.npz", allow_pickle=False, **parameters)
     except OSError as error:
         raise ValueError(f"{folder}: cannot write the run ({error.strerror})") from error
 
@@ -89,7 +89,14 @@ def load_run(folder: Path) -> Run:
         )
     except FileNotFoundError as error:
         raise ValueError(f"{path}: is missing; name the folder of a finished run") from error
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, pl.exceptions.PolarsError) as error:
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        zipfile.BadZipFile,
+        pl.exceptions.PolarsError,
+    ) as error:
         raise ValueError(
             f"{path}: is damaged ({str(error).splitlines()[0]}); train the run again"
         ) from error
@@ -100,9 +107,7 @@ def _load_networks(path: Path, config: Config, world: World) -> ActorCritic:
     task, rows = make_task(mdp)
 
     def one(key):
-        return ActorCritic(
-            rows, task.inputs.shape[1], mdp.next_state.shape[1], config.hidden, key
-        )
+        return ActorCritic(rows, task.inputs.shape[1], mdp.next_state.shape[1], config.hidden, key)
 
     keys = jax.random.split(jax.random.key(0), config.runs)
     like = jax.eval_shape(jax.vmap(one), keys)

@@ -188,7 +188,7 @@ def make_task(mdp: TabularMDP) -> tuple[Task, int]:
 
 
 def intrinsic_reward(mdp: TabularMDP, config: Config) -> np.ndarray:
-    """beta * M, float64[S]: what the agent gets for entering a state besides the reward."""
+    """Beta * M, float64[S]: what the agent gets for entering a state besides the reward."""
     if not config.regularised:
         return np.zeros(mdp.states)
     return config.beta * empowerment(mdp, config.horizon, config.intrinsic)

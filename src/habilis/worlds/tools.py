@@ -8,7 +8,7 @@ Cells are flat indices (see `rules.Grid`), `step` is the distance in them of one
 `agent + step` is the cell next to the agent. All cell arguments are integer arrays of one shape.
 """
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Integer
@@ -17,6 +17,7 @@ Cells = Integer[np.ndarray, "*states"]
 Flags = Bool[np.ndarray, "*states"]
 
 
+@runtime_checkable
 class Tool(Protocol):
     """What a kind of tool must say of itself."""
 

@@ -1,0 +1,137 @@
+"""The paper's figures, redrawn from our worlds and runs."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from habilis.learning.runs import Run
+from habilis.studies.curves import attached_share, equipped_share, mean_return, smooth
+from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, corridor, yard
+from habilis.studies.tables import Result
+from habilis.worlds.pictures import draw_world, landscape_figure
+from habilis.worlds.rules import ACTIONS
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import World
+
+# Colour-blind-safe (Okabe and Ito).
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
+
+_ROOM = """\
+........
+........
+...A{tool}C..
+........
+........
+.......G
+"""
+_OUT_OF_LINE = """\
+........
+....C...
+...A{tool}...
+........
+........
+.......G
+"""
+
+
+def figure_1() -> Figure:
+    """What the tool actions and the moves do: a start state, and the state after each action."""
+    rows = [
+        ("tool actions, picker", "P", _OUT_OF_LINE, (0, 1, 2, 3, 4, 5, 6, 7)),
+        ("picker, can attached", "P", _ROOM, (0, 1, 2, 3, 4, 5, 6, 7)),
+        ("broom, can beside it", "B", _OUT_OF_LINE, (0, 1, 2, 3, 4, 5, 6, 7)),
+        ("broom, can in line", "B", _ROOM, (0, 1, 2, 3, 4, 5, 6, 7)),
+    ]
+    figure = Figure(figsize=(15, 6.6), dpi=96)
+    axes = figure.subplots(len(rows), 1 + len(ACTIONS))
+    for row, (name, tool, room, actions) in zip(axes, rows, strict=True):
+        start = World.parse(room.format(tool=tool), name)
+        _panel(row[0], start, "start", framed=True)
+        row[0].set_ylabel(name, fontsize=9)
+        for ax, action in zip(row[1:], actions, strict=True):
+            _panel(ax, after(start, action), ACTIONS[action], framed=False)
+    figure.tight_layout()
+    return figure
+
+
+def after(world: World, action: int) -> World:
+    """The world one action later."""
+    mdp = tabulate(world)
+    state = mdp.next_state[mdp.start, action]
+    agent, tool, thing = (
+        divmod(int(mdp.factor(name)[state]), world.width) for name in ("agent", "tool", "object")
+    )
+    return replace(world, agent=agent, tool_cell=tool, object=thing)
+
+
+def _panel(ax: Axes, world: World, title: str, framed: bool) -> None:
+    draw_world(ax, world)
+    ax.set_title(title, fontsize=9)
+    ax.set_frame_on(True)
+    for spine in ax.spines.values():
+        spine.set(color="#0072b2" if framed else "#c9ced6", linewidth=2.5 if framed else 0.8)
+
+
+def figure_2(results: Sequence[Result]) -> Figure:
+    """Share of the steps with the picker in hand, and of those with the can attached."""
+    figure = Figure(figsize=(11, 4.2), dpi=96)
+    left, right = figure.subplots(1, 2, sharey=True)
+    _curves(left, results, equipped_share)
+    left.set(title="picker equipped", ylabel="share of an episode's steps", ylim=(0, 1.02))
+    _curves(right, results, attached_share)
+    right.set(title="can attached, of the steps with the picker equipped")
+    left.legend(frameon=False)
+    figure.tight_layout()
+    return figure
+
+
+def returns_figure(results: Sequence[Result]) -> Figure:
+    """Learning curves: mean extrinsic return by episode."""
+    figure = Figure(figsize=(11, 4.2), dpi=96)
+    ax = figure.subplots()
+    _curves(ax, results, mean_return)
+    for best in {result.run.best_return for result in results}:
+        ax.axhline(best, color="#5b6270", linewidth=0.8, linestyle=":")
+    ax.set(ylabel="mean return (dotted: best)", yscale="symlog")
+    ax.legend(frameon=False)
+    figure.tight_layout()
+    return figure
+
+
+def _curves(ax: Axes, results: Sequence[Result], share: Callable[[Run], np.ndarray]) -> None:
+    for result, colour in zip(results, COLOURS, strict=False):
+        values = smooth(share(result.run))
+        ax.plot(np.arange(len(values)) + 1, values, color=colour, label=result.row.label, lw=1.4)
+    ax.set_xlabel("episode (moving average over 100)")
+    ax.spines[["top", "right"]].set_visible(False)
+
+
+def figure_3() -> Figure:
+    """1-step FOE, 5-step FOE and 6-step TOE in the first world."""
+    scene = corridor()
+    return landscape_figure(
+        scene.world,
+        {
+            "(a) 1-step FOE": scene.landscape(1, "state"),
+            "(b) 5-step FOE": scene.landscape(5, "state"),
+            "(c) 6-step TOE": scene.landscape(6, "object"),
+        },
+        cell=40,
+    )
+
+
+def figure_4a() -> Figure:
+    """1-step FOE with the can next to the broom."""
+    broom = yard().with_tool("broom").placed(BESIDE_TOOL, BESIDE_CAN)
+    panels = {"(a) 1-step FOE, broom": broom.landscape(1, "state")}
+    return landscape_figure(broom.world, panels, cell=40)
+
+
+def figure_4b(tool: str) -> Figure:
+    """1-step TOE with the can next to a tool."""
+    scene = yard().with_tool(tool).placed(BESIDE_TOOL, BESIDE_CAN)
+    panels = {f"(b) 1-step TOE, {tool}": scene.landscape(1, "object")}
+    return landscape_figure(scene.world, panels, cell=40)

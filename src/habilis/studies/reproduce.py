@@ -1,0 +1,125 @@
+"""The whole paper, by one call."""
+
+import json
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from habilis.learning.display import progress_bars
+from habilis.learning.train import train
+from habilis.studies import figures
+from habilis.studies.learned import learned_relations
+from habilis.studies.numbers import published_numbers
+from habilis.studies.outcome import Reproduction
+from habilis.studies.published import EXPERIMENTS
+from habilis.studies.relations import stated_relations
+from habilis.studies.report import write_report
+from habilis.studies.settings import FULL, QUICK, row_config
+from habilis.studies.tables import Result, table
+from habilis.worlds.pictures import save_figure, save_picture
+from habilis.worlds.world import load_world
+
+MARK = "numbers.json"  # a folder that has it is an earlier reproduction, and may be replaced
+
+
+def reproduce(
+    out: str | Path,
+    quick: bool = False,
+    budget: dict[str, Any] | None = None,
+    show_progress: bool = False,
+) -> Reproduction:
+    """Recomputes every number, statement, table and figure of the paper.
+
+    Args:
+        out: the folder to write: `report.html`, `numbers.json`, `table1.csv`, `table2.csv`, the
+            figures and the episodes of every row. Nothing is there before all is done; an
+            earlier reproduction is replaced.
+        quick: whether to train with the small budget.
+        budget: fields of `Config` instead of either budget, such as `{"runs": 2}`.
+        show_progress: whether to draw bars on standard error.
+
+    Raises:
+        ValueError: the folder holds something else, or cannot be written.
+    """
+    began = time.perf_counter()
+    out = Path(out)
+    _check_replaceable(out)
+    budget = budget or (QUICK if quick else FULL)
+    numbers, relations = published_numbers(), stated_relations()
+    rows = [(experiment, row) for experiment in EXPERIMENTS for row in experiment.rows]
+    configs = [row_config(experiment, row, budget) for experiment, row in rows]
+    labels = [f"{experiment.title}: {row.label}" for experiment, row in rows]
+    with progress_bars(labels) if show_progress else nullcontext() as show:
+        runs = train(configs, show)
+    results: dict[str, list[Result]] = {experiment.name: [] for experiment in EXPERIMENTS}
+    for (experiment, row), run in zip(rows, runs, strict=True):
+        results[experiment.name].append(Result.of(row, run))
+    reproduction = Reproduction(
+        folder=out,
+        numbers=numbers,
+        relations=relations,
+        learned=learned_relations(results),
+        results=results,
+        budget=budget,
+        quick=quick,
+        seconds=time.perf_counter() - began,
+    )
+    _write(reproduction)
+    return reproduction
+
+
+def _check_replaceable(out: Path) -> None:
+    if out.exists() and (not out.is_dir() or (any(out.iterdir()) and not (out / MARK).exists())):
+        raise ValueError(f"{out}: exists and is no earlier reproduction; name a new folder")
+    parent = next(p for p in (out.absolute(), *out.absolute().parents) if p.exists())
+    if not os.access(parent, os.W_OK):
+        raise ValueError(f"{out}: cannot be written; name a folder that you may write to")
+
+
+def _write(reproduction: Reproduction) -> None:
+    """Writes everything beside the folder first, then puts it in its place."""
+    out = reproduction.folder.absolute()
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out.parent, prefix=f".{out.name}-") as temporary:
+        folder = Path(temporary) / out.name
+        folder.mkdir()
+        _write_data(reproduction, folder)
+        _write_figures(reproduction.results, folder)
+        write_report(reproduction, folder)
+        if out.exists():
+            shutil.rmtree(out)
+        folder.rename(out)
+
+
+def _write_data(reproduction: Reproduction, folder: Path) -> None:
+    for experiment in EXPERIMENTS:
+        results = reproduction.results[experiment.name]
+        table(experiment, results).write_csv(folder / f"{experiment.name}.csv")
+        for i, result in enumerate(results):
+            result.run.episodes.write_parquet(folder / f"{experiment.name}-row{i + 1}.parquet")
+    (folder / MARK).write_text(json.dumps(reproduction.as_data(), indent=2, default=np.generic.item) + "\n")
+
+
+def _write_figures(results: dict[str, list[Result]], folder: Path) -> None:
+    first, second = results["table1"], results["table2"]
+    for name in ("corridor", "yard"):
+        save_picture(load_world(name), folder / f"{name}.svg")
+    drawn: Sequence[tuple[str, Any]] = (
+        ("figure1", figures.figure_1()),
+        ("figure2", figures.figure_2(first)),
+        ("figure3", figures.figure_3()),
+        ("figure4a", figures.figure_4a()),
+        ("figure4b-picker", figures.figure_4b("picker")),
+        ("figure4b-broom", figures.figure_4b("broom")),
+        ("returns1", figures.returns_figure(first)),
+        ("returns2", figures.returns_figure(second)),
+    )
+    for name, figure in drawn:
+        save_figure(figure, folder / f"{name}.svg")
