@@ -44,7 +44,11 @@ def test_arrays_come_out_in_the_types_that_are_promised(dtype: type):
 
 def test_a_table_of_any_memory_order_is_the_same_table():
     table = np.asarray(RING)
-    for same in (np.asfortranarray(table), np.repeat(table, 2, axis=0)[::2], table[:, ::-1][:, ::-1]):
+    for same in (
+        np.asfortranarray(table),
+        np.repeat(table, 2, axis=0)[::2],
+        table[:, ::-1][:, ::-1],
+    ):
         mdp = TabularMDP.deterministic(same)
         assert mdp.next_state.tolist() == RING
         assert mdp.next_state.flags.c_contiguous

@@ -1012,44 +1012,41 @@ def worlds(draw: st.DrawFn) -> World:
 
 def is_as_ruled(world: World, mdp: TabularMDP, state: int) -> bool:
     placement = {name: cell_of(mdp, name, state) for name in mdp.factors}
+    over = placement["object"] == world.goal  # what steps cost after the end is nobody's business
     for action in range(len(mdp.actions)):
         to = int(mdp.next_state[state, action])
         found = {name: cell_of(mdp, name, to) for name in mdp.factors}
         ruled = by_the_rules(world, placement, action)
-        if found != ruled:
+        cost = 0 if ruled["object"] == world.goal else -1
+        if found != ruled or not (over or mdp.reward[state, action] == cost):
             return False
-        if placement["object"] != world.goal:  # what steps cost after the end is nobody's business
-            if mdp.reward[state, action] != (0 if ruled["object"] == world.goal else -1):
-                return False
     return True
 
 
 def by_the_rules(world: World, placement: dict[str, Cell], action: int) -> dict[str, Cell]:
     """The placement after an action: rules 1 to 5, word by word."""
-    (down, right), moves = STEPS[action % 4], action < 4
-    agent, can, tool = placement["agent"], placement["object"], placement.get("tool")
+    down, right = STEPS[action % 4]
 
     def next_to(cell: Cell) -> Cell:
         return cell[0] + down, cell[1] + right
 
-    equipped = tool is not None and abs(agent[0] - tool[0]) + abs(agent[1] - tool[1]) == 1
-    attached = (
-        equipped
-        and world.tool == "picker"
-        and can == (2 * tool[0] - agent[0], 2 * tool[1] - agent[1])
-    )
+    agent, can, tool = placement["agent"], placement["object"], placement.get("tool")
+    pushed = next_to(agent) == can
     after = dict(placement)
-    if moves:
-        after["agent"] = next_to(agent)
-        if equipped:
-            after["tool"] = next_to(tool)
-        swept = equipped and world.tool == "broom" and next_to(tool) == can
-        if attached or swept or next_to(agent) == can:
-            after["object"] = next_to(can)
-    elif equipped:
-        after["tool"] = next_to(agent)
-        if attached:
-            after["object"] = next_to(next_to(agent))
+    if tool is None or abs(agent[0] - tool[0]) + abs(agent[1] - tool[1]) != 1:
+        if action < 4:
+            after["agent"] = next_to(agent)
+            after["object"] = next_to(can) if pushed else can
+    else:
+        in_line = can == (2 * tool[0] - agent[0], 2 * tool[1] - agent[1])
+        attached = in_line and world.tool == "picker"
+        if action < 4:
+            swept = world.tool == "broom" and next_to(tool) == can
+            after["agent"], after["tool"] = next_to(agent), next_to(tool)
+            after["object"] = next_to(can) if attached or pushed or swept else can
+        else:
+            after["tool"] = next_to(agent)
+            after["object"] = next_to(next_to(agent)) if attached else can
     inside = all(
         0 <= row < world.height and 0 <= column < world.width for row, column in after.values()
     )

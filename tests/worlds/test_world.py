@@ -34,7 +34,7 @@ def map_rows(draw: st.DrawFn) -> list[str]:
 
 
 def refusal(text: str, name: str = "map") -> str:
-    with pytest.raises(ValueError) as caught:
+    with pytest.raises(ValueError, match=f"^{name}") as caught:
         World.parse(text, name)
     return str(caught.value)
 
@@ -121,7 +121,6 @@ def test_a_written_map_reads_back_as_the_same_world(rows: list[str]):
 )
 def test_a_malformed_map_is_refused_with_its_place_and_the_mend(text: str, place: str, mend: str):
     message = refusal(text, name="hall")
-    assert message.startswith("hall")
     assert place in message
     assert mend in message
     assert "\n" not in message

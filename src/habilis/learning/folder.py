@@ -112,7 +112,7 @@ def _load_networks(path: Path, config: Config, world: World) -> ActorCritic:
     keys = jax.random.split(jax.random.key(0), config.runs)
     like = jax.eval_shape(jax.vmap(one), keys)
     leaves, structure = jax.tree_util.tree_flatten_with_path(like)
-    with np.load(path) as saved:
+    with path.open("rb") as file, np.load(file) as saved:
         loaded = [jnp.asarray(saved[jax.tree_util.keystr(name)]) for name, _ in leaves]
     for (name, leaf), array in zip(leaves, loaded, strict=True):
         if leaf.shape != array.shape:

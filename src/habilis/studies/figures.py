@@ -19,39 +19,37 @@ from habilis.worlds.world import World
 # Colour-blind-safe (Okabe and Ito).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 
-_ROOM = """\
-........
-........
-...A{tool}C..
-........
-........
-.......G
+_IN_LINE = """\
+.......
+.......
+...A{tool}C.
+.......
+......G
 """
-_OUT_OF_LINE = """\
-........
-....C...
-...A{tool}...
-........
-........
-.......G
+_BESIDE = """\
+.......
+....C..
+...A{tool}..
+.......
+......G
 """
 
 
 def figure_1() -> Figure:
-    """What the tool actions and the moves do: a start state, and the state after each action."""
-    rows = [
-        ("tool actions, picker", "P", _OUT_OF_LINE, (0, 1, 2, 3, 4, 5, 6, 7)),
-        ("picker, can attached", "P", _ROOM, (0, 1, 2, 3, 4, 5, 6, 7)),
-        ("broom, can beside it", "B", _OUT_OF_LINE, (0, 1, 2, 3, 4, 5, 6, 7)),
-        ("broom, can in line", "B", _ROOM, (0, 1, 2, 3, 4, 5, 6, 7)),
-    ]
-    figure = Figure(figsize=(15, 6.6), dpi=96)
+    """What tool actions and moves do: a start state, and the state after each action."""
+    rows = {
+        "picker, can beside it": _BESIDE.format(tool="P"),
+        "picker, can attached": _IN_LINE.format(tool="P"),
+        "broom, can beside it": _BESIDE.format(tool="B"),
+        "broom, can in line": _IN_LINE.format(tool="B"),
+    }
+    figure = Figure(figsize=(15, 6), dpi=96)
     axes = figure.subplots(len(rows), 1 + len(ACTIONS))
-    for row, (name, tool, room, actions) in zip(axes, rows, strict=True):
-        start = World.parse(room.format(tool=tool), name)
+    for row, (name, room) in zip(axes, rows.items(), strict=True):
+        start = World.parse(room, name)
         _panel(row[0], start, "start", framed=True)
         row[0].set_ylabel(name, fontsize=9)
-        for ax, action in zip(row[1:], actions, strict=True):
+        for action, ax in enumerate(row[1:]):
             _panel(ax, after(start, action), ACTIONS[action], framed=False)
     figure.tight_layout()
     return figure

@@ -104,7 +104,9 @@ def _write_data(reproduction: Reproduction, folder: Path) -> None:
         table(experiment, results).write_csv(folder / f"{experiment.name}.csv")
         for i, result in enumerate(results):
             result.run.episodes.write_parquet(folder / f"{experiment.name}-row{i + 1}.parquet")
-    (folder / MARK).write_text(json.dumps(reproduction.as_data(), indent=2, default=np.generic.item) + "\n")
+    (folder / MARK).write_text(
+        json.dumps(reproduction.as_data(), indent=2, default=np.generic.item) + "\n"
+    )
 
 
 def _write_figures(results: dict[str, list[Result]], folder: Path) -> None:

@@ -1,0 +1,43 @@
+# Everything Habilis does from a clone: `make test`, `make paper`. The first call sets up .venv.
+PYTHON ?= python3
+BIN := .venv/bin
+INSTALLED := .venv/installed
+
+.PHONY: test paper quick check format calibrate bench clean
+
+test: $(INSTALLED)
+	$(BIN)/python -m pytest
+
+paper: $(INSTALLED)
+	$(BIN)/habilis reproduce --out paper
+
+quick: $(INSTALLED)
+	$(BIN)/habilis reproduce --out paper-quick --quick
+
+# Formatting, lint and types.
+check: $(INSTALLED)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/basedpyright
+
+format: $(INSTALLED)
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+# Chooses the A2C settings of the paper's tables anew, on the vanilla rows alone. Hours.
+calibrate: $(INSTALLED)
+	$(BIN)/python -m habilis.studies.calibrate
+
+bench: $(INSTALLED)
+	$(BIN)/habilis bench
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11))" || \
+		{ echo "Habilis needs Python 3.11 or newer; call make PYTHON=python3.12, say"; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints.txt --editable ".[learn,dev]"
+	touch $@
+
+clean:
+	rm -rf .venv paper paper-quick

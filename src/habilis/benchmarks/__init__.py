@@ -1,0 +1,69 @@
+"""Our speed beside what users would pick instead, measured in one run on the reader's machine."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from typing import Any
+
+BENCHMARKS = ("empowerment", "worlds", "learning")
+_NEEDS_LEARNING = ("learning",)
+
+
+@dataclass(frozen=True)
+class Result:
+    """One line of a benchmark.
+
+    Attributes:
+        name: what was measured.
+        value: how much.
+        unit: of `value`.
+        note: what it is measured against, or on what.
+    """
+
+    name: str
+    value: float
+    unit: str
+    note: str
+
+    def as_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+    def __str__(self) -> str:
+        return f"{self.name:<52} {self.value:>12,.3g} {self.unit:<14} {self.note}"
+
+
+def run_benchmarks(names: Sequence[str]) -> list[Result]:
+    """Runs benchmarks one after the other.
+
+    Args:
+        names: some of `BENCHMARKS`; all if there are none.
+
+    Raises:
+        ValueError: no such benchmark.
+        MissingExtraError: what a benchmark needs is not installed.
+    """
+    from habilis.extras import import_from
+
+    unknown = [name for name in names if name not in BENCHMARKS]
+    if unknown:
+        raise ValueError(
+            f"benchmark {unknown[0]!r} is unknown; use some of {', '.join(BENCHMARKS)}"
+        )
+    results = []
+    for name in names or BENCHMARKS:
+        path = f"habilis.benchmarks.{name}"
+        module = import_from(path, "learn") if name in _NEEDS_LEARNING else import_module(path)
+        results += module.results()
+    return results
+
+
+def best_seconds(call: Callable[[], Any], repeats: int = 5) -> float:
+    """The least time of a call, after one that warms up: the machine's noise only adds."""
+    call()
+    times = []
+    for _ in range(repeats):
+        began = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - began)
+    return min(times)
