@@ -25,9 +25,7 @@ def room(tmp_path):
 
 def same(run, other, index, other_index):
     """Whether a run of one configuration is, bit for bit, a run of another."""
-    a, b = (
-        r.episodes.filter(run=i).drop("run") for r, i in ((run, index), (other, other_index))
-    )
+    a, b = (r.episodes.filter(run=i).drop("run") for r, i in ((run, index), (other, other_index)))
     leaves = zip(jax.tree.leaves(run.networks), jax.tree.leaves(other.networks), strict=True)
     return a.equals(b) and all(np.array_equal(x[index], y[other_index]) for x, y in leaves)
 
@@ -136,5 +134,5 @@ def test_a_setting_out_of_range_is_refused(field, value, mend):
 
 
 def test_an_unknown_setting_is_refused_with_those_there_are():
-    with pytest.raises(ValueError, match="'learningrate' is unknown; use some of .*learning_rate"):
+    with pytest.raises(ValueError, match=r"'learningrate' is unknown; use some of .*learning_rate"):
         Config.from_dict({"learningrate": 1})

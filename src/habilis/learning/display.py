@@ -12,7 +12,7 @@ from habilis.learning.runs import Progress
 
 @contextmanager
 def progress_bars(labels: Sequence[str]) -> Iterator[Callable[[Progress], None]]:
-    """Bars on standard error, one for each configuration that trains.
+    """Bars on standard error, one for each configuration, from the first report on.
 
     Yields:
         What to hand to `train` as `on_progress`.
@@ -22,13 +22,18 @@ def progress_bars(labels: Sequence[str]) -> Iterator[Callable[[Progress], None]]
         BarColumn(bar_width=20),
         TextColumn("{task.fields[text]}"),
     )
-    with Bars(*columns, console=Console(stderr=True)) as bars:
-        tasks = [bars.add_task(label, total=1.0, text="waiting") for label in labels]
+    bars = Bars(*columns, console=Console(stderr=True))
+    tasks = [bars.add_task(label, total=1.0, text="waiting") for label in labels]
 
-        def show(progress: Progress) -> None:
-            bars.update(tasks[progress.config], completed=progress.share, text=_text(progress))
+    def show(progress: Progress) -> None:
+        bars.start()
+        bars.update(tasks[progress.config], completed=progress.share, text=_text(progress))
 
+    try:
         yield show
+    finally:
+        if bars.live.is_started:
+            bars.stop()
 
 
 def _text(p: Progress) -> str:

@@ -30,19 +30,21 @@ GRID: dict[str, tuple] = {
     "envs, rollout": ((8, 20), (16, 5)),
     "learning_rate": (1e-3, 2e-3),
     "discount": (0.97, 0.99),
-    "optimizer, reward_scale, entropy": (
-        ("rmsprop", 1.0, 0.02),
-        ("rmsprop", 1.0, 0.05),
-        ("adam", 0.1, 0.02),  # a tenth of the reward: entropy weighs ten times as much
-    ),
+    "optimizer": ("rmsprop",),
+    "reward_scale": (1.0,),
+    "entropy": (0.02, 0.05),
 }
-"""What is tried: every combination. The rest of `Config` stays as it is there."""
+"""What is tried: every combination. The rest of `Config` stays as it is there.
+
+Adam with a tenth of the reward was tried first, in nine settings that are in the results too: it
+converged in far fewer episodes than published (entropy 0.02) or not at all (0.05), and was left
+out before the rest of the grid was run."""
 
 SCREEN = {"runs": 5, "seed": 1001, "episodes": 120_000, "steps": 10_000_000}
 """First, every setting, with few runs and steps."""
 CONFIRM = {"runs": 10, "seed": 2001, "episodes": 160_000, "steps": 40_000_000}
 """Then the settings that came closest, with as many runs as the paper."""
-CONFIRMED = 3  # settings an experiment
+CONFIRMED = 2  # settings an experiment
 
 
 def settings_grid() -> list[dict]:

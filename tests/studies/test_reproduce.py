@@ -1,0 +1,120 @@
+"""The report, end to end, in a tiny configuration."""
+
+import json
+from html.parser import HTMLParser
+
+import polars as pl
+import pytest
+
+import habilis as hb
+from habilis.studies.calibrate import distance, settings_grid, vanilla_configs
+from habilis.studies.published import EXPERIMENTS
+from habilis.studies.settings import FULL, frozen_settings, row_config
+
+TINY = {"runs": 2, "episodes": 2_500, "steps": 40_000}
+
+
+@pytest.fixture(scope="module")
+def paper(tmp_path_factory):
+    return hb.reproduce(tmp_path_factory.mktemp("out") / "paper", budget=TINY)
+
+
+class Page(HTMLParser):
+    """What a page loads, its ids, and where its links point."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.loads, self.ids, self.links = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        for name, value in attrs:
+            if name == "id":
+                self.ids.append(value)
+            elif name in ("src", "href", "xlink:href") and value:
+                (self.links if value.startswith("#") else self.loads).append(value)
+
+
+def test_one_folder_has_the_whole_paper(paper):
+    names = {path.name for path in paper.folder.iterdir()}
+    assert names >= {"report.html", "numbers.json", "table1.csv", "table2.csv"}
+    assert names >= {f"figure{n}.svg" for n in ("1", "2", "3", "4a", "4b-picker", "4b-broom")}
+    assert not list(paper.folder.parent.glob(".*")), "nothing half-written is left"
+
+
+def test_the_report_is_one_page_that_loads_nothing(paper):
+    text = (paper.folder / "report.html").read_text()
+    page = Page(text)
+    assert page.loads == []
+    assert "url(http" not in text
+    assert "@import" not in text
+    assert len(page.ids) == len(set(page.ids))
+    assert {link[1:] for link in page.links} <= set(page.ids)
+    assert text.count("<svg") == 10
+
+
+def test_the_report_shows_every_number_statement_and_row(paper):
+    text = (paper.folder / "report.html").read_text().replace("&#34;", '"').replace("&#39;", "'")
+    for number in paper.numbers:
+        assert number.text in text
+    for relation in [*paper.relations, *paper.learned]:
+        assert relation.text in text
+    for experiment in EXPERIMENTS:
+        for row in experiment.rows:
+            assert f"{row.mean:,.0f}" in text
+    assert "reconstructions" in text
+
+
+def test_the_data_say_what_the_report_says(paper):
+    data = json.loads((paper.folder / "numbers.json").read_text())
+    assert len(data["numbers"]) == len(paper.numbers)
+    assert all(number["agrees"] for number in data["numbers"])
+    for experiment in EXPERIMENTS:
+        rows = pl.read_csv(paper.folder / f"{experiment.name}.csv")
+        assert rows["approach"].to_list() == [row.label for row in experiment.rows]
+        assert rows["published_mean"].to_list() == [row.mean for row in experiment.rows]
+        assert data["tables"][experiment.name]["rows"] == rows.to_dicts()
+        for i, result in enumerate(paper.results[experiment.name]):
+            saved = pl.read_parquet(paper.folder / f"{experiment.name}-row{i + 1}.parquet")
+            assert saved.equals(result.run.episodes)
+
+
+def test_runs_given_up_are_shown_as_lower_bounds(paper):
+    rows = pl.read_csv(paper.folder / "table1.csv")
+    assert rows["mean_is_lower_bound"].all()
+    assert (rows["converged"] == 0).all()
+    assert (paper.folder / "report.html").read_text().count("≥ ") >= 3
+
+
+def test_a_folder_with_other_things_is_refused_before_any_work(tmp_path):
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(ValueError, match="no earlier reproduction; name a new folder"):
+        hb.reproduce(tmp_path, budget=TINY)
+    assert (tmp_path / "thesis.tex").read_text() == "years of work"
+
+
+def test_all_rows_of_an_experiment_share_the_frozen_settings():
+    for experiment in EXPERIMENTS:
+        settings = frozen_settings(experiment)
+        for row in experiment.rows:
+            config = row_config(experiment, row, FULL)
+            assert {name: getattr(config, name) for name in settings} == settings
+            assert (config.intrinsic, config.beta) == (row.intrinsic, row.beta)
+            assert config.runs == 10
+
+
+def test_the_frozen_settings_are_from_the_grid():
+    for experiment in EXPERIMENTS:
+        assert frozen_settings(experiment) in settings_grid()
+
+
+def test_the_calibration_trains_vanilla_agents_only():
+    for experiment in EXPERIMENTS:
+        configs = vanilla_configs(experiment, settings_grid()[0], {"seed": 1})
+        assert configs
+        assert not any(config.regularised for config in configs)
+
+
+def test_the_calibration_measures_distance_by_ratios():
+    assert distance([10, 10], [10, 10]) == 0
+    assert distance([20, 10], [10, 20]) == pytest.approx(distance([10, 40], [10, 10]))

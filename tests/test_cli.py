@@ -1,0 +1,201 @@
+"""The command line: what it prints, and how it refuses."""
+
+import json
+import sys
+
+import numpy as np
+import polars as pl
+import pytest
+
+import habilis as hb
+from habilis.cli import main
+from habilis.empowerment.measures import world_landscape
+
+VERBS = (
+    *("worlds", "solve", "empowerment", "landscape", "compare"),
+    *("train", "watch", "reproduce", "bench"),
+)
+
+
+def run_json(capsys, *arguments):
+    status = main([*arguments, "--json"])
+    return status, json.loads(capsys.readouterr().out)
+
+
+def test_worlds_lists_and_draws(capsys, tmp_path):
+    assert run_json(capsys, "worlds") == (0, {"worlds": ["corridor", "yard"]})
+    _, yard = run_json(capsys, "worlds", "yard", "--tool", "broom")
+    assert yard["map"][3] == "B.#......."
+    assert main(["worlds", "yard", "--out", str(tmp_path / "yard.png")]) == 0
+    assert (tmp_path / "yard.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_solve_prints_a_plan_that_works(capsys):
+    status, plan = run_json(capsys, "solve", "corridor")
+    assert (status, plan["steps"], plan["return"]) == (0, 15, -14)
+    mdp = hb.tabulate(hb.load_world("corridor"))
+    state = mdp.start
+    for action in plan["actions"]:
+        assert not mdp.terminal[state]
+        state = mdp.next_state[state, action]
+    assert mdp.terminal[state]
+    assert run_json(capsys, "solve", "yard", "--tool", "broom")[1]["return"] == -12
+
+
+def test_solve_of_a_goal_out_of_reach_is_nulls_and_exit_1(capsys, tmp_path):
+    (tmp_path / "walled.txt").write_text("AC#G\n")
+    status, plan = run_json(capsys, "solve", str(tmp_path / "walled.txt"))
+    assert (status, plan) == (1, {"steps": None, "return": None, "actions": None})
+    assert main(["solve", str(tmp_path / "walled.txt")]) == 1
+
+
+def test_compare_gives_the_published_averages(capsys):
+    _, found = run_json(capsys, "compare", "yard", "--tools", "picker,broom,none", "--horizon", "3")
+    assert {k: round(v, 2) for k, v in found["averages"].items()} == {
+        "picker": 0.52,
+        "broom": 0.28,
+        "none": 0.23,
+    }
+    main(["compare", "corridor", "--horizon", "6"])
+    out = capsys.readouterr().out
+    assert "useful" in out.splitlines()[1]
+    assert "encumbers" in out.splitlines()[3]
+
+
+def test_landscape_is_null_where_the_agent_cannot_be(capsys, tmp_path):
+    picture = tmp_path / "landscape.png"
+    arguments = ("landscape", "corridor", "--sensor", "object", "--horizon", "6")
+    _, found = run_json(capsys, *arguments, "--out", str(picture))
+    values = np.array(found["values"], float)
+    expected = world_landscape(hb.load_world("corridor"), 6, "object")
+    np.testing.assert_array_equal(values, expected)
+    assert np.isnan(values[2, 0])
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_landscape_with_the_can_elsewhere(capsys):
+    arguments = ("landscape", "corridor", "--sensor", "object", "--horizon", "1")
+    _, moved = run_json(capsys, *arguments, "--object-at", "0,4")
+    values = np.array(moved["values"], float)
+    assert values[0, 3] == 1
+    assert np.isnan(values[0, 4])
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_empowerment_writes_every_state(capsys, tmp_path, suffix):
+    path = tmp_path / f"bits.{suffix}"
+    arguments = ("empowerment", "corridor", "--sensor", "object", "--horizon", "6")
+    _, summary = run_json(capsys, *arguments, "--out", str(path))
+    table = pl.read_csv(path) if suffix == "csv" else pl.read_parquet(path)
+    mdp = hb.tabulate(hb.load_world("corridor"))
+    np.testing.assert_allclose(table["bits"], hb.empowerment(mdp, 6, "object"))
+    np.testing.assert_array_equal(
+        table["object_row"] * 10 + table["object_column"], mdp.factor("object")
+    )
+    assert summary["states"] == mdp.states
+    assert round(summary["mean_equipped"], 4) == 1.3886
+
+
+def test_actions_are_named_or_listed(capsys):
+    means = {}
+    for actions in ("all", "moves", "tool", "0,1,2,3"):
+        arguments = ("empowerment", "yard", "--horizon", "2", "--sensor", "object")
+        means[actions] = run_json(capsys, *arguments, "--actions", actions)[1]["mean"]
+    assert means["moves"] == means["0,1,2,3"] < means["all"]
+    assert means["tool"] < means["all"]
+
+
+def test_train_watch_and_what_they_leave(capsys, tmp_path):
+    (tmp_path / "room.txt").write_text("A.\nC.\n..\nG.\n")
+    folder = tmp_path / "run"
+    arguments = ["train", str(tmp_path / "room.txt"), "--runs", "1", "--episodes", "8000"]
+    arguments += ["--episode-limit", "50", "--hidden", "16", "--out", str(folder)]
+    status, summary = run_json(capsys, *arguments)
+    assert (status, summary["runs"], summary["best_return"]) == (0, 1, -1)
+    assert pl.read_parquet(folder / "episodes.parquet").height > 2_000
+    (tmp_path / "room.txt").unlink()  # the folder has all that watching needs
+    gif = tmp_path / "run.gif"
+    status, episode = run_json(capsys, "watch", str(folder), "--gif", str(gif))
+    assert (status, episode["finished"], episode["return"]) == (0, True, -1)
+    assert gif.read_bytes().startswith(b"GIF8")
+    assert main(["watch", str(folder)]) == 0
+    assert "the goal is reached" in capsys.readouterr().out
+    before = sorted(folder.iterdir())
+    (tmp_path / "room.txt").write_text("A.\nC.\n..\nG.\n")
+    assert main(arguments) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["solve", "nowhere"], "nowhere: no such world"),
+        (["solve", "corridor", "--tool", "rake"], "use one of picker, broom, none"),
+        (["compare", "yard", "--horizon", "-1"], "give a whole number from 0 up"),
+        (["compare", "yard", "--horizon", "two"], "invalid int value: 'two'"),
+        (["compare", "yard", "--tools", "", "--horizon", "1"], "no tools to compare"),
+        (["landscape", "yard", "--horizon", "1", "--sensor", "smell"], "state, agent, tool"),
+        (["landscape", "yard", "--horizon", "1", "--object-at", "0"], "--object-at"),
+        (["landscape", "yard", "--horizon", "1", "--object-at", "1,0"], "distinct free cells"),
+        (["landscape", "yard", "--horizon", "1", "--out", "f.bmp"], ".png"),
+        (["empowerment", "yard", "--horizon", "1", "--out", "f.txt"], ".csv or .parquet"),
+        (["empowerment", "yard", "--horizon", "1", "--actions", "jump"], "all, moves, tool"),
+        (["empowerment", "yard", "--horizon", "1", "--actions", "9"], "indices from 0 to 7"),
+        (["train", "yard", "--runs", "0", "--out", "run"], "runs is 0; give at least 1"),
+        (["train", "yard", "--intrinsic", "smell", "--beta", "1", "--out", "run"], "smell"),
+        (["watch", "nothing-here"], "config.json: is missing"),
+        (["bench", "sleep"], "benchmark 'sleep' is unknown"),
+        (["fly"], "invalid choice: 'fly'"),
+        ([], "required"),
+    ],
+)
+def test_bad_input_is_one_line_exit_2_and_nothing_on_disk(
+    arguments, says, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert says in err
+    assert err.count("\n") == 1
+    assert out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("A.PC\n.G\n", "line 2, column 3: the row has 2 cells and the first row has 4; make all"),
+        ("; a map\nA.PX\n", "line 2, column 4: unknown character 'X'; use one of"),
+        ("AA.CG\n", "line 1, column 2: a second agent 'A', the first is at line 1, column 1"),
+        ("A...G\n", "the map has no can; put one 'C' on a floor cell"),
+        ("", "the map is empty"),
+    ],
+)
+def test_a_malformed_map_is_refused_with_place_and_mend(text, says, capsys, tmp_path):
+    (tmp_path / "map.txt").write_text(text)
+    assert main(["solve", str(tmp_path / "map.txt")]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_a_file_that_cannot_be_written_is_one_line(capsys, tmp_path):
+    out = tmp_path / "no" / "such" / "bits.csv"
+    assert main(["empowerment", "yard", "--horizon", "1", "--out", str(out)]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_help_has_an_example(verb, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main([verb, "--help"])
+    assert f"example: habilis {verb}" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_missing_extra_says_what_to_install(capsys, monkeypatch, tmp_path):
+    for module in [name for name in sys.modules if name.startswith("habilis.learning")]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "jax", None)
+    assert main(["train", "yard", "--out", str(tmp_path / "run")]) == 2
+    assert capsys.readouterr().err == (
+        "habilis: jax is not installed; run: pip install 'habilis[learn]'\n"
+    )

@@ -1,0 +1,75 @@
+"""What importing and installing promise."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import habilis as hb
+
+ROOT = Path(__file__).parents[1]
+
+
+def python(code):
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout
+
+
+def test_importing_does_not_import_what_is_slow_or_optional():
+    loaded = python("import habilis, sys; print(*sys.modules)").split()
+    slow = {"jax", "numba", "matplotlib", "scipy", "polars", "rich", "equinox", "optax"}
+    assert slow.isdisjoint(loaded)
+
+
+def test_the_exact_half_works_without_jax():
+    code = """
+import sys
+sys.modules["jax"] = None
+import habilis as hb
+mdp = hb.tabulate(hb.load_world("yard"))
+print(hb.empowerment(mdp, 3, "object", states=mdp.flags["equipped"]).mean())
+from habilis.cli import main
+main(["landscape", "yard", "--horizon", "1"])
+"""
+    assert python(code).startswith("0.524104")
+
+
+def test_every_public_name_is_there_and_documented():
+    for name in hb.__all__:
+        assert getattr(hb, name).__doc__, name
+    assert set(hb.__all__) <= set(dir(hb))
+
+
+def test_empowerment_stays_a_function_when_its_package_is_imported():
+    import habilis.empowerment.measures
+    import habilis.empowerment.sensors  # noqa: F401
+
+    assert callable(hb.empowerment)
+
+
+def test_constraints_name_packages_and_versions_only():
+    for line in (ROOT / "constraints.txt").read_text().splitlines():
+        assert re.fullmatch(r"#.*|[\w.-]+==[\w.]+", line), line
+        assert "://" not in line
+
+
+def test_every_dependency_is_constrained():
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    wanted = [*project["dependencies"], *extras["learn"], *extras["dev"]]
+    pinned = (ROOT / "constraints.txt").read_text().lower()
+    for requirement in wanted:
+        name = re.split(r"[<>=\[]", requirement)[0].lower()
+        assert f"\n{name}==" in pinned, requirement
+
+
+def test_the_readmes_example_runs():
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert blocks
+    for block in blocks:
+        environment = {**os.environ, "MPLBACKEND": "agg"}
+        subprocess.run([sys.executable, "-W", "error", "-c", block], env=environment, check=True)
