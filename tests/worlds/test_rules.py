@@ -823,6 +823,16 @@ def test_a_tool_that_is_not_in_hand_is_put_nowhere():
         """,
         *sides,
     )
+    stays(
+        """
+        .....
+        .....
+        A.T.C
+        .....
+        ....G
+        """,
+        *sides,
+    )
 
 
 def test_a_broom_put_elsewhere_leaves_its_can():
