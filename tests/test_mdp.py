@@ -109,3 +109,21 @@ def test_a_factor_of_a_table_without_any_is_unknown():
 def test_a_table_without_cells_finds_nothing_by_them():
     with pytest.raises(ValueError, match="no cells"):
         TabularMDP.deterministic(RING).find(agent=(0, 0))
+
+
+def test_what_numpy_cannot_make_sense_of_is_refused_in_our_words():
+    with pytest.raises(ValueError, match="next_state is ragged; give rows of one length"):
+        TabularMDP.deterministic([[0, 1], [0]])
+    with pytest.raises(ValueError, match="reward has entries that are not finite"):
+        TabularMDP.deterministic([[0]], reward=[["much"]])
+    with pytest.raises(ValueError, match="reward has entries that are not finite"):
+        TabularMDP.deterministic([[0]], reward=[[1e300]])
+    with pytest.raises(ValueError, match="start is 0.5"):
+        TabularMDP.deterministic([[0]], start=0.5)  # pyright: ignore[reportArgumentType]
+
+
+def test_the_table_is_a_copy():
+    mine = np.zeros((1, 1), np.int32)
+    mdp = TabularMDP.deterministic(mine)
+    mine[0, 0] = 7
+    assert mdp.next_state[0, 0] == 0

@@ -58,7 +58,7 @@ class TabularMDP:
             >>> TabularMDP.deterministic([[0, 1], [1, 0]]).states
             2
         """
-        table = np.asarray(next_state)
+        table = as_array("next_state", next_state)
         if table.ndim != 2 or table.size == 0 or not np.issubdtype(table.dtype, np.integer):
             raise ValueError(
                 f"next_state has shape {table.shape} and type {table.dtype}; "
@@ -71,21 +71,23 @@ class TabularMDP:
                 f"next_state[{state}, {action}] is {table[state, action]}; "
                 f"use states 0 to {len(table) - 1}"
             )
-        reward = np.zeros(table.shape) if reward is None else np.asarray(reward)
-        terminal = np.zeros(len(table), bool) if terminal is None else np.asarray(terminal)
+        reward = np.zeros(table.shape) if reward is None else as_array("reward", reward)
+        terminal = (
+            np.zeros(len(table), bool) if terminal is None else as_array("terminal", terminal)
+        )
         if reward.shape != table.shape:
             raise ValueError(f"reward has shape {reward.shape}; give {table.shape} as next_state")
-        if not np.isfinite(reward).all():
-            raise ValueError("reward has entries that are not finite; give numbers")
+        if reward.dtype.kind not in "biuf" or not (abs(reward) <= np.finfo(np.float32).max).all():
+            raise ValueError("reward has entries that are not finite (in float32); give numbers")
         if terminal.shape != table.shape[:1]:
             raise ValueError(f"terminal has shape {terminal.shape}; give ({len(table)},)")
-        if not 0 <= start < len(table):
+        if not isinstance(start, int | np.integer) or not 0 <= start < len(table):
             raise ValueError(f"start is {start}; use a state from 0 to {len(table) - 1}")
         return cls(
-            np.ascontiguousarray(table, np.int32),
+            np.array(table, np.int32, order="C"),
             reward.astype(np.float32),
             terminal.astype(bool),
-            start=start,
+            start=int(start),
         )
 
     @property
@@ -126,3 +128,15 @@ class TabularMDP:
             where = ", ".join(f"{name}={cell}" for name, cell in cells.items())
             raise KeyError(f"{len(matches) or 'no'} states have {where}")
         return int(matches[0])
+
+
+def as_array(name: str, values: ArrayLike) -> np.ndarray:
+    """`values` as an array.
+
+    Raises:
+        ValueError: they are lists of different lengths.
+    """
+    try:
+        return np.asarray(values)
+    except ValueError:
+        raise ValueError(f"{name} is ragged; give rows of one length") from None

@@ -147,8 +147,8 @@ def test_the_loss_is_the_formula_by_hand():
 
 
 def test_the_loop_is_compiled_once_for_equal_shapes():
-    before = advance._cache_size()
+    before = advance._cache_size()  # pyright: ignore[reportAttributeAccessIssue]
     config = replace(QUICK, hidden=(3,))
     learn(cycle(2, 1, [[1.0], [0.0]]), config, updates=2)
     learn(cycle(2, 1, [[2.0], [0.0]]), replace(config, learning_rate=1e-3, seed=8), updates=2)
-    assert advance._cache_size() == before + 1
+    assert advance._cache_size() == before + 1  # pyright: ignore[reportAttributeAccessIssue]

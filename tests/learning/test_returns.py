@@ -34,13 +34,21 @@ def test_advantages_are_the_sums_that_define_them(seed, discount, gae_lambda):
     ends = rng.choice(3, size=(steps, envs), p=[0.6, 0.2, 0.2])
     terminated, truncated = ends == 1, ends == 2
     ours = generalised_advantages(
-        *(jnp.asarray(x) for x in (reward, value, next_value, terminated, truncated)),
+        jnp.asarray(reward),
+        jnp.asarray(value),
+        jnp.asarray(next_value),
+        jnp.asarray(terminated),
+        jnp.asarray(truncated),
         discount,
         gae_lambda,
     )
     for e in range(envs):
         slow = slow_advantages(
-            *(x[:, e] for x in (reward, value, next_value, terminated, truncated)),
+            reward[:, e],
+            value[:, e],
+            next_value[:, e],
+            terminated[:, e],
+            truncated[:, e],
             discount,
             gae_lambda,
         )

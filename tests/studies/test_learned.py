@@ -49,13 +49,12 @@ def test_smoothing_is_over_100_episodes():
 
 
 def relations(vanilla, foe, toe):
-    first = [
-        Result.of(row, r) for row, r in zip(EXPERIMENTS[0].rows, (vanilla, foe, toe), strict=True)
-    ]
-    second = second or [run(10, 1)] * 4
-    rows = [Result.of(row, r) for row, r in zip(EXPERIMENTS[1].rows, second, strict=True)]
-    found = learned_relations({"table1": first, "table2": rows})
-    return {relation.text: relation for relation in found}
+    runs = {"table1": (vanilla, foe, toe), "table2": [run(10, 1)] * 4}
+    results = {
+        e.name: [Result.of(row, r) for row, r in zip(e.rows, runs[e.name], strict=True)]
+        for e in EXPERIMENTS
+    }
+    return {relation.text: relation for relation in learned_relations(results)}
 
 
 def test_every_pair_of_rows_and_all_of_figure_2_are_looked_at():

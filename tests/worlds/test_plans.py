@@ -115,3 +115,9 @@ def test_of_several_plans_the_one_through_lower_states_and_actions_is_given():
     assert solve(states) == Plan((1, 0), (0, 1, 3), 0.0)
     ends = TabularMDP.deterministic([[2, 1], [1, 1], [2, 2]], terminal=[0, 1, 1])
     assert solve(ends) == Plan((1,), (0, 1), 0.0)
+
+
+@pytest.mark.parametrize("start", [-1, 3])
+def test_a_start_that_is_no_state_is_refused(start: int):
+    with pytest.raises(ValueError, match=f"start is {start}; use a state from 0 to 2"):
+        solve(TabularMDP.deterministic([[1], [2], [2]]), start)

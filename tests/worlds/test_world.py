@@ -267,3 +267,15 @@ def test_a_malformed_file_is_named_with_the_place_in_it(tmp_path: Path):
     path.write_text("; a comment\nA.CG\n..?.\n")
     with pytest.raises(ValueError, match=r"^room\.txt, line 3, column 3: unknown character '\?'"):
         load_world(path)
+
+
+def test_a_byte_order_mark_is_no_cell(tmp_path: Path):
+    (tmp_path / "map.txt").write_text("\ufeff; saved by an editor\nAPCG\n", "utf-8")
+    assert load_world(tmp_path / "map.txt").agent == (0, 0)
+
+
+@pytest.mark.parametrize("name", ["AP.CG\n.....\n", "nul\0byte"])
+def test_what_is_no_name_is_refused_in_one_line(name: str):
+    with pytest.raises(ValueError, match="no such world") as error:
+        load_world(name)
+    assert str(error.value).isprintable()

@@ -7,7 +7,7 @@ from jaxtyping import Float64, Int32, Int64
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.sensors import Sensor, observations
-from habilis.mdp import TabularMDP
+from habilis.mdp import TabularMDP, as_array
 
 _MOST_PACKED_LABELS = 4096  # above, sets of states cost less than 64 words a state
 
@@ -74,7 +74,7 @@ def whole_number(name: str, value: int) -> int:
 def _chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int32[np.ndarray, "S A"]:
     if actions is None:
         return mdp.next_state
-    chosen = np.asarray(actions)
+    chosen = as_array("actions", actions)
     count = mdp.next_state.shape[1]
     if chosen.ndim != 1 or not len(chosen) or not np.issubdtype(chosen.dtype, np.integer):
         raise ValueError(f"actions is {actions!r}; give a list of action indices, at least one")
@@ -86,7 +86,7 @@ def _chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int32[np.
 def _chosen_states(mdp: TabularMDP, states: ArrayLike | None) -> Int64[np.ndarray, "n"]:
     if states is None:
         return np.arange(mdp.states)
-    chosen = np.atleast_1d(np.asarray(states))
+    chosen = np.atleast_1d(as_array("states", states))
     if chosen.dtype == bool and chosen.shape == (mdp.states,):
         return np.flatnonzero(chosen)
     if chosen.size == 0:

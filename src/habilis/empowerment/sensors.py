@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Int32
 from numpy.typing import ArrayLike
 
-from habilis.mdp import TabularMDP
+from habilis.mdp import TabularMDP, as_array
 
 Sensor = str | ArrayLike
 """A factor's name, "state" for all of it, or int[S] labels."""
@@ -33,7 +33,7 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
             )
         labels = mdp.factors[sensor]
     else:
-        labels = np.asarray(sensor)
+        labels = as_array("sensor", sensor)
         if labels.shape != (mdp.states,) or not np.issubdtype(labels.dtype, np.integer):
             raise ValueError(
                 f"sensor has shape {labels.shape} and type {labels.dtype}; "

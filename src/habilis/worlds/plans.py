@@ -38,8 +38,13 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
     Returns:
         The plan (at least one step long: what counts is entering a terminal state), or `None`
         if no terminal state can be reached.
+
+    Raises:
+        ValueError: there is no such state.
     """
     start = mdp.start if start is None else start
+    if not 0 <= start < mdp.states:
+        raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
     came_from = np.full((mdp.states, 2), -1)
     seen = np.zeros(mdp.states, bool)
     frontier = np.array([start])

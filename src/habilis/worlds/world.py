@@ -12,6 +12,7 @@ Cell = tuple[int, int]
 WALL, FLOOR, AGENT, OBJECT, GOAL = "#.ACG"
 TOOL = "tool"  # any tool's character: a map has one tool at most
 COMMENT = ";"
+_BYTE_ORDER_MARK = "\ufeff"  # what some editors put at the start of a file
 NO_TOOL = "none"
 
 
@@ -142,7 +143,7 @@ def _map_lines(text: str, name: str) -> list[tuple[int, str]]:
     """The rows of the map with their line numbers; blank lines around the map do not count."""
     lines = [
         (number, line.rstrip())
-        for number, line in enumerate(text.splitlines(), start=1)
+        for number, line in enumerate(text.removeprefix(_BYTE_ORDER_MARK).split("\n"), start=1)
         if not line.startswith(COMMENT)
     ]
     while lines and not lines[0][1]:
@@ -183,14 +184,16 @@ def _source(name: str | Path) -> tuple[str, str]:
         text = next(f for f in _builtin_files() if f.name == f"{name}.txt").read_text("utf-8")
         return text, str(name)
     path = Path(name)
+    shown = repr(str(name)) if not str(name).isprintable() else str(name)
     try:
         return path.read_text("utf-8"), path.name
     except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not a text file; give a map drawn in characters") from error
-    except OSError as error:
+        raise ValueError(f"{shown}: not a text file; give a map drawn in characters") from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
         raise ValueError(
-            f"{path}: no such world ({error.strerror or error}); name one of "
-            f"{', '.join(world_names())}, or the path of a map file"
+            f"{shown}: no such world ({reason}); name one of "
+            f"{', '.join(world_names())}, or the path of a map file (World.parse reads map text)"
         ) from error
 
 
