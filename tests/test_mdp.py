@@ -118,7 +118,7 @@ def test_what_numpy_cannot_make_sense_of_is_refused_in_our_words():
         TabularMDP.deterministic([[0]], reward=[["much"]])
     with pytest.raises(ValueError, match="reward has entries that are not finite"):
         TabularMDP.deterministic([[0]], reward=[[1e300]])
-    with pytest.raises(ValueError, match="start is 0.5"):
+    with pytest.raises(ValueError, match=r"start is 0\.5"):
         TabularMDP.deterministic([[0]], start=0.5)  # pyright: ignore[reportArgumentType]
 
 

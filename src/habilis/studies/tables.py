@@ -76,6 +76,11 @@ class Comparison:
     certain: bool
 
     @property
+    def holds(self) -> bool:
+        """Whether our runs show the paper's order: separated (p < 0.05), and none given up."""
+        return self.ours_ratio < 1 and self.ours_p < 0.05 and self.certain
+
+    @property
     def verdict(self) -> str:
         """What our runs say of the paper's order, in plain words."""
         as_published = self.ours_ratio < 1
