@@ -70,6 +70,15 @@ def test_a_file_in_the_place_of_the_folder_is_refused(run, tmp_path):
         save_run(run, tmp_path / "file")
 
 
+def test_a_place_below_a_file_is_refused_before_training(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ValueError, match="file is not a folder; name another place"):
+        check_unused(tmp_path / "file" / "run")
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
+    with pytest.raises(ValueError, match="is not a folder"):
+        check_unused(tmp_path / "dangling")
+
+
 def test_a_converged_run_plays_to_the_goal(run):
     assert run.converged_at[0] is not None
     episode = play(run, 0)

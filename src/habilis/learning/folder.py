@@ -8,6 +8,7 @@ parameters.npz      the networks' parameters, runs along the first axis
 """
 
 import json
+import os
 import zipfile
 from dataclasses import asdict
 from pathlib import Path
@@ -29,10 +30,25 @@ def check_unused(folder: Path) -> None:
     """Refuses a folder that a run cannot be saved in, before any work is done.
 
     Raises:
-        ValueError: it exists and is not an empty folder.
+        ValueError: it exists and is not an empty folder, or cannot be written.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ValueError(f"{folder}: exists already; name a new folder, or remove it")
+    check_writable(folder)
+
+
+def check_writable(folder: Path) -> None:
+    """Refuses a folder that cannot be made or written.
+
+    Raises:
+        ValueError: what exists of its path is no folder, or may not be written to.
+    """
+    path = folder.absolute()
+    existing = next(p for p in (path, *path.parents) if os.path.lexists(p))
+    if not existing.is_dir():
+        raise ValueError(f"{folder}: {existing} is not a folder; name another place")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise ValueError(f"{folder}: {existing} cannot be written to; name another place")
 
 
 def save_run(run: Run, folder: Path) -> None:

@@ -2,16 +2,17 @@
 
 First every setting of the grid trains a few agents without intrinsic reward, on a small budget.
 Then, for each experiment, the settings whose counts came closest to the published ones (by the
-runs that converged, at least one a row) train as many agents as the paper on a large budget. Of
-those that converge in all runs of all rows, the closest is written to `data/settings.toml`,
-before any regularised agent is trained with it. The seeds are not those of the paper's tables.
+runs that converged, at least one a row) train as many agents as the paper on a large budget, one
+after the other until all runs of all rows converge. That setting, or the one that comes nearest to
+it, is written to `data/settings.toml` before any regularised agent is trained with it. The seeds
+are not those of the paper's tables.
 
     python -m habilis.studies.calibrate      # an hour or two; goes on where it was stopped
 """
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from random import Random
@@ -44,7 +45,7 @@ SCREEN = {"runs": 5, "seed": 1001, "episodes": 120_000, "steps": 10_000_000}
 """First, every setting, with few runs and steps."""
 CONFIRM = {"runs": 10, "seed": 2001, "episodes": 160_000, "steps": 40_000_000}
 """Then the settings that came closest, with as many runs as the paper."""
-CONFIRMED = 2  # settings an experiment
+CONFIRMED = 2  # settings an experiment, at most
 
 
 def settings_grid() -> list[dict]:
@@ -115,36 +116,56 @@ def run_stage(stage: str, budget: dict, todo: list[tuple[Experiment, dict]]) -> 
             print(*row.values(), flush=True)
 
 
-def ranked(stage: str, experiment: Experiment, all_runs: bool) -> list[tuple[float, dict]]:
-    """Settings by their distance to the published counts, closest first.
+@dataclass(frozen=True)
+class Score:
+    """How a setting did in one stage of one experiment.
 
-    Args:
-        stage, experiment: whose results to rank.
-        all_runs: whether all runs must have converged; else one in each row is enough.
+    Attributes:
+        setting: the fields of `Config`.
+        converged: the least share of converged runs in a row.
+        distance: of the converged runs' means to the published ones.
     """
+
+    setting: dict
+    converged: float
+    distance: float
+
+
+def scores(stage: str, experiment: Experiment) -> list[Score]:
+    """The settings in which each row has a converged run, closest to the published first."""
     results = pl.read_csv(RESULTS).filter(stage=stage, experiment=experiment.name)
     names = list(settings_grid()[0])
     vanilla = [row for row in experiment.rows if row.vanilla]
     found = []
     for _, rows in results.group_by(names, maintain_order=True):
-        if (rows["converged"] >= (rows["runs"] if all_runs else 1)).all():
-            counts = dict(zip(rows["tool"], rows["mean"], strict=True))
+        setting = {name: rows[name][0] for name in names}
+        counts = dict(zip(rows["tool"], rows["mean"], strict=True))
+        share = min(c / n for c, n in zip(rows["converged"], rows["runs"], strict=True))
+        if share > 0 and setting in settings_grid():
             off = distance([counts[row.tool] for row in vanilla], [row.mean for row in vanilla])
-            found.append((off, {name: rows[name][0] for name in names}))
-    return sorted(found, key=lambda item: item[0])
+            found.append(Score(setting, share, off))
+    return sorted(found, key=lambda score: score.distance)
 
 
 def main() -> None:
     grid = settings_grid()
     run_stage("screen", SCREEN, [(e, s) for s in grid for e in EXPERIMENTS])
-    for experiment in EXPERIMENTS:
-        closest = ranked("screen", experiment, all_runs=False)[:CONFIRMED]
-        run_stage("confirm", CONFIRM, [(experiment, setting) for _, setting in closest])
+    closest = {e.name: scores("screen", e)[:CONFIRMED] for e in EXPERIMENTS}
+    for place in range(CONFIRMED):
+        unsettled = [
+            e for e in EXPERIMENTS if not any(s.converged == 1 for s in scores("confirm", e))
+        ]
+        run_stage("confirm", CONFIRM, [(e, closest[e.name][place].setting) for e in unsettled])
     lines = ["# Written by habilis.studies.calibrate, on the vanilla rows alone."]
     for experiment in EXPERIMENTS:
-        off, setting = ranked("confirm", experiment, all_runs=True)[0]
-        lines += ["", f"[{experiment.name}] # mean |log ratio| to the published counts: {off:.3f}"]
-        lines += [f"{name} = {value!r}".replace("'", '"') for name, value in setting.items()]
+        best = max(scores("confirm", experiment), key=lambda s: (s.converged, -s.distance))
+        lines += [
+            "",
+            f"# All rows: at least {best.converged:.0%} of the runs converged; mean |log ratio| to "
+            f"the published counts {best.distance:.3f}.",
+            f"[{experiment.name}]",
+        ]
+        lines += [f"{k} = {v!r}".replace("'", '"') for k, v in best.setting.items()]
     SETTINGS.write_text("\n".join(lines) + "\n")
 
 

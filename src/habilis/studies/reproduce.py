@@ -1,7 +1,6 @@
 """The whole paper, by one call."""
 
 import json
-import os
 import shutil
 import tempfile
 import time
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from habilis.learning.display import progress_bars
+from habilis.learning.folder import check_writable
 from habilis.learning.train import train
 from habilis.studies import figures
 from habilis.studies.learned import learned_relations
@@ -78,9 +78,7 @@ def reproduce(
 def _check_replaceable(out: Path) -> None:
     if out.exists() and (not out.is_dir() or (any(out.iterdir()) and not (out / MARK).exists())):
         raise ValueError(f"{out}: exists and is no earlier reproduction; name a new folder")
-    parent = next(p for p in (out.absolute(), *out.absolute().parents) if p.exists())
-    if not os.access(parent, os.W_OK):
-        raise ValueError(f"{out}: cannot be written; name a folder that you may write to")
+    check_writable(out)
 
 
 def _write(reproduction: Reproduction) -> None:
