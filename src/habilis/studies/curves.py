@@ -1,4 +1,4 @@
-"""What the runs of a configuration do from episode to episode, averaged over them."""
+"""What the runs of a configuration do from episode to episode, and on average over them."""
 
 import numpy as np
 import polars as pl
@@ -9,39 +9,40 @@ from habilis.learning.runs import Run
 
 SMOOTHING = 100  # episodes
 
-
-def equipped_share(run: Run) -> Float[np.ndarray, "episodes"]:
-    """Share of an episode's steps with the tool in hand, averaged over the runs."""
-    return _mean_over_runs(run, pl.col("equipped") / pl.col("steps"))
+Curves = Float[np.ndarray, "runs episodes"]
+"""A value for each run and episode, as far as every run goes; NaN where there is none."""
 
 
-def attached_share(run: Run) -> Float[np.ndarray, "episodes"]:
+def equipped_share(run: Run) -> Curves:
+    """Share of an episode's steps with the tool in hand."""
+    return _by_run(run, pl.col("equipped") / pl.col("steps"))
+
+
+def attached_share(run: Run) -> Curves:
     """Share of the steps with the tool in hand in which the object is attached to it.
 
-    An episode in which the tool was never in hand counts as 0.
+    There is none in an episode in which the tool was never in hand.
     """
-    share = pl.when(pl.col("equipped") > 0).then(pl.col("attached") / pl.col("equipped"))
-    return _mean_over_runs(run, share.otherwise(0.0))
+    return _by_run(run, pl.col("attached") / pl.col("equipped"))
 
 
-def mean_return(run: Run) -> Float[np.ndarray, "episodes"]:
-    """Extrinsic return, averaged over the runs."""
-    return _mean_over_runs(run, pl.col("return"))
+def returns(run: Run) -> Curves:
+    """Extrinsic return."""
+    return _by_run(run, pl.col("return"))
 
 
-def smooth(values: Float[np.ndarray, "episodes"]) -> Float[np.ndarray, "fewer"]:
-    """Moving average over `SMOOTHING` episodes."""
-    return moving_average(values, SMOOTHING)
+def mean_curve(curves: Curves) -> Float[np.ndarray, "fewer"]:
+    """Mean over the runs and over a moving window of `SMOOTHING` episodes.
+
+    What is missing is left out; NaN where nothing is there.
+    """
+    there = np.isfinite(curves)
+    sums = moving_average(np.where(there, curves, 0).sum(axis=0), SMOOTHING)
+    counts = moving_average(there.sum(axis=0), SMOOTHING)
+    return np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0)
 
 
-def _mean_over_runs(run: Run, value: pl.Expr) -> Float[np.ndarray, "episodes"]:
-    """Mean over the runs by episode, as far as every run goes."""
-    episodes = run.episodes.select("run", "episode", value.alias("value"))
-    shortest = episodes.group_by("run").len()["len"].min()
-    means = (
-        episodes.filter(pl.col("episode") < shortest)
-        .group_by("episode")
-        .agg(pl.col("value").mean())
-        .sort("episode")
-    )
-    return means["value"].to_numpy()
+def _by_run(run: Run, value: pl.Expr) -> Curves:
+    runs = run.episodes.select("run", value.alias("value")).partition_by("run")
+    shortest = min(len(one) for one in runs)
+    return np.stack([one["value"].to_numpy()[:shortest] for one in runs])

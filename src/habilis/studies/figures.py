@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from habilis.learning.runs import Run
-from habilis.studies.curves import attached_share, equipped_share, mean_return, smooth
+from habilis.studies.curves import Curves, attached_share, equipped_share, mean_curve, returns
 from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, corridor, yard
 from habilis.studies.tables import Result
 from habilis.worlds.pictures import draw_world, landscape_figure
@@ -90,7 +90,7 @@ def returns_figure(results: Sequence[Result]) -> Figure:
     """Learning curves: mean extrinsic return by episode."""
     figure = Figure(figsize=(11, 4.2), dpi=96)
     ax = figure.subplots()
-    _curves(ax, results, mean_return)
+    _curves(ax, results, returns)
     for best in {result.run.best_return for result in results}:
         ax.axhline(best, color="#5b6270", linewidth=0.8, linestyle=":")
     ax.set(ylabel="mean return (dotted: best)", yscale="symlog")
@@ -99,9 +99,9 @@ def returns_figure(results: Sequence[Result]) -> Figure:
     return figure
 
 
-def _curves(ax: Axes, results: Sequence[Result], share: Callable[[Run], np.ndarray]) -> None:
+def _curves(ax: Axes, results: Sequence[Result], share: Callable[[Run], Curves]) -> None:
     for result, colour in zip(results, COLOURS, strict=False):
-        values = smooth(share(result.run))
+        values = mean_curve(share(result.run))
         ax.plot(np.arange(len(values)) + 1, values, color=colour, label=result.row.label, lw=1.4)
     ax.set_xlabel("episode (moving average over 100)")
     ax.spines[["top", "right"]].set_visible(False)

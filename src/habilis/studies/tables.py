@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 import polars as pl
@@ -56,6 +57,14 @@ class Result:
         return self.mean / to.mean
 
 
+class Outcome(StrEnum):
+    """What our runs say of an order of the paper's."""
+
+    HOLDS = "holds"
+    OPPOSITE = "opposite"
+    UNDECIDED = "undecided"
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Two rows of a table held against each other.
@@ -64,7 +73,8 @@ class Comparison:
         faster, slower: labels of the row that is the faster and the slower one in the paper.
         published_ratio, ours_ratio: episodes of the first over episodes of the second.
         published_p, ours_p: two-sided p-values of Welch's unequal-variances t-test.
-        certain: whether all runs of both converged. If not, our means are lower bounds.
+        faster_complete, slower_complete: whether all runs of the row converged. If not, our
+            mean of it is a lower bound, and so is a p-value no p-value.
     """
 
     faster: str
@@ -73,22 +83,32 @@ class Comparison:
     ours_ratio: float
     published_p: float
     ours_p: float
-    certain: bool
+    faster_complete: bool
+    slower_complete: bool
 
     @property
-    def holds(self) -> bool:
-        """Whether our runs show the paper's order: separated (p < 0.05), and none given up."""
-        return self.ours_ratio < 1 and self.ours_p < 0.05 and self.certain
+    def outcome(self) -> Outcome:
+        """Whether our runs show the paper's order, the opposite one, or neither.
+
+        A row whose mean is a lower bound can only be the slower of two.
+        """
+        if not self.ours_p < 0.05:
+            return Outcome.UNDECIDED
+        if self.ours_ratio < 1:
+            return Outcome.HOLDS if self.faster_complete else Outcome.UNDECIDED
+        return Outcome.OPPOSITE if self.slower_complete else Outcome.UNDECIDED
 
     @property
     def verdict(self) -> str:
-        """What our runs say of the paper's order, in plain words."""
-        as_published = self.ours_ratio < 1
-        order = "the paper's order" if as_published else "the opposite order"
-        if not self.ours_p < 0.05:
-            return f"{order}, but not separated (p = {self.ours_p:.2g})"
-        censored = "" if self.certain else "; runs were given up, so the means are lower bounds"
-        return f"{order} (p = {self.ours_p:.2g}){censored}"
+        """The outcome in plain words."""
+        given_up = "" if self.faster_complete and self.slower_complete else "; runs were given up"
+        if self.outcome is Outcome.HOLDS:
+            return f"the paper's order (p = {self.ours_p:.2g}{given_up})"
+        if self.outcome is Outcome.OPPOSITE:
+            return f"the opposite order (p = {self.ours_p:.2g}{given_up})"
+        if given_up:
+            return "undecided: runs were given up"
+        return f"undecided: not separated (p = {self.ours_p:.2g})"
 
 
 def comparisons(experiment: Experiment, results: Sequence[Result]) -> list[Comparison]:
@@ -111,14 +131,19 @@ def _compare(fast: Result, slow: Result) -> Comparison:
         published_ratio=fast.row.mean / slow.row.mean,
         ours_ratio=fast.ratio(slow),
         published_p=float(published.pvalue),
-        ours_p=_welch(fast.counts, slow.counts),
-        certain=fast.all_converged and slow.all_converged,
+        ours_p=welch(fast.counts, slow.counts),
+        faster_complete=fast.all_converged,
+        slower_complete=slow.all_converged,
     )
 
 
-def _welch(a: np.ndarray, b: np.ndarray) -> float:
-    """Welch's p-value; 1 where it is not defined: too few runs, or none that vary."""
-    if min(len(a), len(b)) < 2 or (np.ptp(a) == 0 and np.ptp(b) == 0):
+def welch(a: np.ndarray, b: np.ndarray) -> float:
+    """The two-sided p-value of Welch's t-test.
+
+    1 where the test is not defined, which is with a single run, or with samples that do not
+    vary: then there is nothing to tell chance by.
+    """
+    if min(len(a), len(b)) < 2 or np.ptp(a) == 0 or np.ptp(b) == 0:
         return 1.0
     test = ttest_ind(a, b, equal_var=False)
     return float(test.pvalue)  # pyright: ignore[reportAttributeAccessIssue]

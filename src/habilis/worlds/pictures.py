@@ -227,9 +227,9 @@ def landscape_figure(
     finite = np.concatenate([values[np.isfinite(values)] for values in panels.values()])
     vmin = float(finite.min()) if finite.size else 0.0
     vmax = float(finite.max()) if np.unique(finite).size > 1 else vmin + 1  # a scale needs two ends
-    gap, head, bar, bar_label = 24, 36, 16, 64  # pixels
+    gap, head, bar_width, bar_label = 24, 36, 16, 64  # pixels
     map_width, map_height = cell * world.width, cell * world.height
-    width = gap + len(panels) * (map_width + gap) + bar + bar_label
+    width = gap + len(panels) * (map_width + gap) + bar_width + bar_label
     height = head + map_height + gap
     figure = _figure(width, height)
 
@@ -241,8 +241,11 @@ def landscape_figure(
     for number, (name, values) in enumerate(panels.items()):
         ax = column(gap + number * (map_width + gap), map_width)
         heats.append(draw_landscape(ax, world, values, vmin=vmin, vmax=vmax, title=name))
-    bar_ax = column(width - bar_label - bar, bar)
-    figure.colorbar(heats[0], cax=bar_ax, label="bits").outline.set_visible(False)
+    bar_ax = column(width - bar_label - bar_width, bar_width)
+    bar = figure.colorbar(heats[0], cax=bar_ax, label="bits")
+    bar.outline.set_visible(False)
+    if bar.solids is not None:
+        bar.solids.set(rasterized=False, edgecolor="face")  # an SVG of areas, no image in it
     return figure
 
 
