@@ -18,23 +18,20 @@ from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world, world_names
 
 if TYPE_CHECKING:
-    from habilis.learning.config import Config
-    from habilis.learning.train import train
-    from habilis.studies.reproduce import reproduce
+    from habilis.learning.config import Config as Config
+    from habilis.learning.train import train as train
+    from habilis.studies.reproduce import reproduce as reproduce
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "Config",
+__all__ = [  # what needs no extra: so `from habilis import *` works without one
     "Plan",
     "TabularMDP",
     "World",
     "empowerment",
     "load_world",
-    "reproduce",
     "solve",
     "tabulate",
-    "train",
     "world_names",
 ]
 

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -28,19 +29,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     try:
         args = _parser().parse_args(arguments)
-        return args.verb(args)
-    except (ValueError, MissingExtraError, FloatingPointError) as error:
-        print(f"habilis: {error}", file=sys.stderr)
-        return 2
+        status = args.verb(args)
+        sys.stdout.flush()
+        return status
     except BrokenPipeError:
+        # Whoever reads our output has gone; so that Python does not complain at exit either:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except (ValueError, MissingExtraError, FloatingPointError) as error:
+        return _refuse(str(error))
+    except (OSError, OverflowError) as error:
+        return _refuse(f"{error}; check the place and the numbers given")
+    except MemoryError:
+        return _refuse("not enough memory; make the world or the horizon smaller")
     except KeyboardInterrupt:
-        print("habilis: interrupted; nothing was kept", file=sys.stderr)
-        return 130
+        return _refuse("interrupted", status=130)
+
+
+def _refuse(message: str, status: int = 2) -> int:
+    print(f"habilis: {message}", file=sys.stderr)
+    return status
 
 
 def worlds(args: Args) -> int:
     if args.name is None:
+        if args.tool is not None or args.out is not None:
+            raise ValueError("no world to draw; give its name besides --tool or --out")
         listed = [load_world(name) for name in world_names()]
         if args.json:
             return _print_json({"worlds": [world.name for world in listed]})
@@ -109,6 +123,8 @@ def landscape(args: Args) -> int:
     from habilis.worlds.pictures import landscape_figure, save_figure
 
     world = load_world(args.world, args.tool)
+    if args.tool_at is not None and world.tool == NO_TOOL:
+        raise ValueError(f"{world.name} has no tool here; leave out --tool-at, or give --tool")
     mdp = habilis.tabulate(world)
     tool, thing = args.tool_at or world.tool_cell, args.object_at or world.object
     values = measure(
@@ -177,12 +193,14 @@ def train(args: Args) -> int:
 
 def watch(args: Args) -> int:
     from habilis.worlds.pictures import colored_text, save_gif
+    from habilis.worlds.table import placement
 
     folder = import_from("habilis.learning.folder", "learn")
     replay = import_from("habilis.learning.replay", "learn")
     run = folder.load_run(args.folder)
     episode = replay.play(run, args.run)
-    frames = replay.placements(run.world, habilis.tabulate(run.world), episode.states)
+    mdp = habilis.tabulate(run.world)
+    frames = [placement(run.world, mdp, state) for state in episode.states]
     if args.gif is not None:
         _save(args.gif, lambda path: save_gif(frames, path))
     if args.json:
@@ -342,7 +360,10 @@ def _actions(text: str) -> list[int] | None:
 
 
 def _cell(text: str) -> Cell:
-    row, column = (int(part) for part in text.split(","))
+    try:
+        row, column = (int(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no cell, as 2,6 for row,column") from None
     return row, column
 
 

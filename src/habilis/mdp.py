@@ -1,11 +1,14 @@
 """A finite Markov decision process as arrays."""
 
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool, Float32, Int32
 from numpy.typing import ArrayLike
+
+_NOWHERE = -2  # a label of no state: cells are 0 and up, what a world lacks is -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +109,24 @@ class TabularMDP:
             raise ValueError(f"factor {name!r} is unknown; this MDP has: {known}")
         return self.factors[name]
 
+    def label(self, cell: tuple[int, int]) -> int:
+        """The label that factors have for a cell, `row * columns + column`.
+
+        Returns:
+            A label; one that no state has for a cell outside the map.
+
+        Raises:
+            ValueError: the MDP has no cells, or this is none.
+        """
+        if self.shape is None:
+            raise ValueError("this MDP has no cells; only a world's table has")
+        try:
+            row, column = (operator.index(part) for part in cell)
+        except (TypeError, ValueError):
+            raise ValueError(f"cell is {cell!r}; give (row, column)") from None
+        inside = 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
+        return row * self.shape[1] + column if inside else _NOWHERE
+
     def find(self, **cells: tuple[int, int]) -> int:
         """The state in which things are at given cells.
 
@@ -116,13 +137,10 @@ class TabularMDP:
             KeyError: no state, or more than one, has everything there.
             ValueError: the MDP has no such factor.
         """
-        if self.shape is None:
-            raise ValueError("this MDP has no cells; pick states from its factors' labels")
         found = np.ones(self.states, bool)
-        for name, (row, column) in cells.items():
-            inside = 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
-            label = row * self.shape[1] + column if inside else -1
-            found &= inside & (self.factor(name) == label)
+        for name, cell in cells.items():
+            label = self.label(cell)
+            found &= self.factor(name) == label
         matches = np.flatnonzero(found)
         if len(matches) != 1:
             where = ", ".join(f"{name}={cell}" for name, cell in cells.items())

@@ -376,13 +376,13 @@ def test_actions_that_are_not_a_list_of_indices_are_refused(actions: Any):
 
 @pytest.mark.parametrize("actions", [[2], [0, -1], [0, 1, 2**40]])
 def test_an_action_that_the_table_does_not_have_is_refused(actions: list[int]):
-    with pytest.raises(ValueError, match=r"actions is .*; use indices from 0 to 1"):
+    with pytest.raises(ValueError, match=r"actions has -?\d+; use indices from 0 to 1"):
         empowerment(SWITCH, 1, actions=actions)
 
 
 @pytest.mark.parametrize("states", [[3], [-1], [0, 1, 2, 3], 2**40])
 def test_a_state_that_the_table_does_not_have_is_refused(states: Any):
-    with pytest.raises(ValueError, match=r"states is .*; use indices from 0 to 2"):
+    with pytest.raises(ValueError, match=r"states has -?\d+; use indices from 0 to 2"):
         empowerment(SWITCH, 1, states=states)
 
 

@@ -4,9 +4,9 @@ import pytest
 
 from habilis.learning.config import Config
 from habilis.learning.folder import check_unused, load_run, save_run
-from habilis.learning.replay import greedy_actions, placements, play
+from habilis.learning.replay import greedy_actions, play
 from habilis.learning.train import train
-from habilis.worlds.table import tabulate
+from habilis.worlds.table import placement, tabulate
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +53,41 @@ def test_a_file_cut_short_is_refused(folder):
         with pytest.raises(ValueError, match=f"{name}: is damaged"):
             load_run(folder)
         (folder / name).write_bytes(whole)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("summary.json", '{"converged_at": [1]}', "no entry for each of the 2 runs"),
+        ("config.json", "[" * 100_000, "damaged"),
+        ("parameters.npz", "", "damaged"),
+        ("config.json", '{"runs": 2.5}', "runs is 2.5; give a whole number"),
+    ],
+)
+def test_a_file_that_does_not_fit_is_named(folder, name, content, says):
+    (folder / name).write_text(content)
+    with pytest.raises(ValueError, match=f"{name}: .*{says}"):
+        load_run(folder)
+
+
+def test_parameters_that_are_not_finite_are_refused(run, folder):
+    broken = jax.tree.map(lambda leaf: leaf * np.nan, run.networks)
+    (folder / "parameters.npz").unlink()
+    leaves = jax.tree_util.tree_leaves_with_path(broken)
+    arrays = {jax.tree_util.keystr(path): np.asarray(leaf) for path, leaf in leaves}
+    np.savez(folder / "parameters.npz", allow_pickle=False, **arrays)
+    with pytest.raises(ValueError, match="not finite"):
+        load_run(folder)
+
+
+def test_a_run_that_cannot_be_written_leaves_nothing(run, tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", full)
+    with pytest.raises(ValueError, match=r"cannot write the run .*No space left"):
+        save_run(run, tmp_path / "run")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_in_use_is_refused_and_left_alone(run, folder):
@@ -102,7 +137,7 @@ def test_a_policy_that_goes_round_in_circles_stops(run):
 
 def test_states_are_drawn_as_worlds(run):
     mdp = tabulate(run.world)
-    frames = placements(run.world, mdp, play(run, 0).states)
+    frames = [placement(run.world, mdp, state) for state in play(run, 0).states]
     assert frames[0] == run.world
     assert frames[-1].object == run.world.goal
 

@@ -92,7 +92,7 @@ def test_the_intrinsic_reward_is_beta_times_the_empowerment():
     np.testing.assert_allclose(
         intrinsic_reward(mdp, config), 0.07 * empowerment(mdp, 3, "object"), rtol=1e-12
     )
-    assert not intrinsic_reward(mdp, replace(config, intrinsic="none")).any()
+    assert not intrinsic_reward(mdp, replace(config, intrinsic="none", beta=0.0)).any()
 
 
 def test_progress_is_told_until_the_end(room):
@@ -120,10 +120,17 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         ("runs", 0, "runs is 0; give at least 1"),
         ("horizon", -1, "horizon is -1; give at least 0"),
         ("learning_rate", 0.0, "give a number above 0"),
-        ("learning_rate", float("nan"), "give a number above 0"),
+        ("learning_rate", float("nan"), "give a finite number"),
         ("discount", 1.5, "from 0 to 1"),
         ("beta", float("inf"), "finite"),
         ("optimizer", "sgd", "use one of rmsprop, adam"),
+        ("runs", 1.5, "give a whole number"),
+        ("runs", "3", "give a whole number"),
+        ("entropy", float("inf"), "give a finite number"),
+        ("seed", 2**32, "give one below 4294967296"),
+        ("world", 3, "give a text"),
+        ("beta", 0.1, "give both a sensor and its weight"),
+        ("intrinsic", "object", "give both a sensor and its weight"),
         ("hidden", (), "at least one width"),
         ("rollout", 1000, "no longer than an episode"),
     ],

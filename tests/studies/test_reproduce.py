@@ -1,12 +1,15 @@
 """The report, end to end, in a tiny configuration."""
 
 import json
+import shutil
+from dataclasses import replace as dataclass_replace
 from html.parser import HTMLParser
 
 import polars as pl
 import pytest
 
 import habilis as hb
+import habilis.studies.reproduce as reproduce_module
 from habilis.studies.calibrate import distance, settings_grid, vanilla_configs
 from habilis.studies.published import EXPERIMENTS
 from habilis.studies.settings import FULL, frozen_settings, row_config
@@ -79,6 +82,52 @@ def test_the_data_say_what_the_report_says(paper):
             assert saved.equals(result.run.episodes)
 
 
+class Cells(HTMLParser):
+    """The texts of a page's table rows."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.rows, self.inside = [], False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "tr":
+            self.rows.append([])
+        self.inside = self.inside or tag == "td"
+        if tag == "td":
+            self.rows[-1].append("")
+
+    def handle_endtag(self, tag):
+        self.inside = self.inside and tag != "td"
+
+    def handle_data(self, data):
+        if self.inside:
+            self.rows[-1][-1] += data
+
+
+def test_the_reports_tables_show_the_data(paper):
+    rows = Cells((paper.folder / "report.html").read_text()).rows
+    shown = {row[1]: row for row in rows if len(row) > 1}
+    data = json.loads((paper.folder / "numbers.json").read_text())
+    for number in data["numbers"]:
+        row = shown[number["text"]]
+        assert row[2] == number["published"]
+        assert float(row[3]) == pytest.approx(number["ours"], abs=5e-5)
+        assert row[5] == ("agrees" if number["agrees"] else "differs")
+    for relation in [*data["relations"], *data["learned"]]:
+        row = shown[relation["text"]]
+        assert row[2] == ("holds" if relation["holds"] else "does not hold")
+        assert row[3] == relation["found"]
+    by_label = {row[0]: row for row in rows if len(row) == 6}
+    for table in data["tables"].values():
+        for result in table["rows"]:
+            row = by_label[result["approach"]]
+            assert f"{result['published_mean']:,.0f}" in row[1]
+            assert f"{result['ours_mean']:,.0f} ± {result['ours_std']:,.0f}" in row[3]
+            assert float(row[4]) == pytest.approx(result["ours_ratio"], abs=5e-3)
+            assert row[5] == f"{result['converged']} of {result['runs']}"
+
+
 def test_runs_given_up_are_shown_as_lower_bounds(paper):
     rows = pl.read_csv(paper.folder / "table1.csv")
     assert rows["mean_is_lower_bound"].all()
@@ -90,7 +139,25 @@ def test_a_folder_with_other_things_is_refused_before_any_work(tmp_path):
     (tmp_path / "thesis.tex").write_text("years of work")
     with pytest.raises(ValueError, match="no earlier reproduction; name a new folder"):
         hb.reproduce(tmp_path, budget=TINY)
+    (tmp_path / "numbers.json").write_text('{"habilis": "0"}')
+    with pytest.raises(ValueError, match="no earlier reproduction"):
+        hb.reproduce(tmp_path, budget=TINY)
+    (tmp_path / "link").symlink_to(tmp_path)
+    with pytest.raises(ValueError, match="is a link"):
+        hb.reproduce(tmp_path / "link", budget=TINY)
+    with pytest.raises(ValueError, match="is not a folder"):
+        hb.reproduce(tmp_path / "thesis.tex" / "paper", budget=TINY)
     assert (tmp_path / "thesis.tex").read_text() == "years of work"
+
+
+def test_an_earlier_reproduction_is_replaced(paper, tmp_path):
+    folder = tmp_path / "paper"
+    shutil.copytree(paper.folder, folder)
+    (folder / "table1.csv").write_text("old")
+    reproduce_module._check_replaceable(folder)
+    reproduce_module._write(dataclass_replace(paper, folder=folder))
+    assert (folder / "table1.csv").read_text() == (paper.folder / "table1.csv").read_text()
+    assert [path.name for path in tmp_path.iterdir()] == ["paper"]
 
 
 def test_all_rows_of_an_experiment_share_the_frozen_settings():

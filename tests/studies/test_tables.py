@@ -7,7 +7,7 @@ import pytest
 from habilis.learning.config import Config
 from habilis.learning.runs import Run
 from habilis.studies.published import EXPERIMENTS
-from habilis.studies.tables import Result, comparisons, table
+from habilis.studies.tables import Outcome, Result, comparisons, table
 from habilis.worlds.world import load_world
 
 FIRST, SECOND = EXPERIMENTS
@@ -50,11 +50,26 @@ def test_ratios_are_to_the_vanilla_row_with_the_same_tool():
     assert published == pytest.approx([1, 11672.4 / 15555.4, 1, 37657.6 / 52872.2])
 
 
+# By hand from means, deviations and n = 10, with Welch and Satterthwaite's degrees of freedom.
+WELCH = {
+    ("A2C with 6-step TOE", "A2C with 5-step FOE"): 0.1498,
+    ("A2C with 6-step TOE", "A2C"): 7.983e-06,
+    ("A2C with 5-step FOE", "A2C"): 0.0009385,
+    ("A2C with 3-step TOE (picker)", "A2C (picker)"): 5.754e-10,
+    ("A2C with 3-step TOE (picker)", "A2C with 3-step TOE (broom)"): 2.726e-08,
+    ("A2C with 3-step TOE (picker)", "A2C (broom)"): 3.491e-08,
+    ("A2C (picker)", "A2C with 3-step TOE (broom)"): 1.509e-07,
+    ("A2C (picker)", "A2C (broom)"): 9.328e-08,
+    ("A2C with 3-step TOE (broom)", "A2C (broom)"): 9.308e-05,
+}
+
+
 def test_the_papers_pairs_are_separated_as_its_figures_say():
     """All at p < 0.001, but for FOE and TOE of Table I, p = 0.15."""
     for experiment in EXPERIMENTS:
         same = [run([10, 12])] * len(experiment.rows)
         for c in comparisons(experiment, results(experiment, same)):
+            assert c.published_p == pytest.approx(WELCH[c.faster, c.slower], rel=0.001)
             if {c.faster, c.slower} == {"A2C with 5-step FOE", "A2C with 6-step TOE"}:
                 assert c.published_p == pytest.approx(0.15, abs=0.005)
             else:
@@ -64,18 +79,26 @@ def test_the_papers_pairs_are_separated_as_its_figures_say():
 
 def test_verdicts_are_plain_about_order_doubt_and_runs_given_up():
     fast, slow = run([100, 110, 105]), run([200, 210, 205])
+    given_up = run([100, 111, 104], given_up=[0])
     verdict = {
         (c.faster, c.slower): c.verdict
-        for c in comparisons(FIRST, results(FIRST, [slow, fast, run([100, 111, 104], [0])]))
+        for c in comparisons(FIRST, results(FIRST, [slow, fast, given_up]))
     }
     vanilla, foe, toe = (row.label for row in FIRST.rows)
     assert verdict[foe, vanilla].startswith("the paper's order (p = ")
-    assert "not separated" in verdict[toe, foe]
-    assert "lower bounds" in verdict[toe, vanilla]
+    assert verdict[toe, foe] == "undecided: runs were given up"
+    assert verdict[toe, vanilla] == "undecided: runs were given up"
     opposite = comparisons(FIRST, results(FIRST, [fast, slow, slow]))
     assert all(
         c.verdict.startswith("the opposite order (p") for c in opposite if c.slower == vanilla
     )
+
+
+def test_equal_rows_and_rows_that_do_not_vary_are_undecided():
+    for counts in ([100, 110, 105], [100, 100, 100]):
+        for c in comparisons(FIRST, results(FIRST, [run(counts)] * 3)):
+            assert c.outcome is Outcome.UNDECIDED
+            assert c.verdict == "undecided: not separated (p = 1)"
 
 
 def test_welch_is_welch_and_undefined_for_single_runs():

@@ -86,10 +86,10 @@ def test_a_frame_has_cell_pixels_per_cell(size: int):
 
 def test_no_size_of_figure_loses_a_pixel():
     for cells in range(1, 40):
-        world = replace(ROOM, width=cells, height=1)
+        world = World.parse("." * cells + "ACG")
         for size in (1, 17, 24, 31, 48, 99):
             canvas = world_figure(world, size).canvas
-            assert canvas.get_width_height() == (cells * size, size)
+            assert canvas.get_width_height() == ((cells + 3) * size, size)
 
 
 def test_a_wall_is_dark_and_the_floor_light():

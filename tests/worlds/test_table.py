@@ -242,3 +242,13 @@ def test_a_thing_that_a_world_does_not_have_cannot_be_found():
         tabulate(ROOM).find(spoon=(0, 0))
     with pytest.raises(ValueError, match="'tool' is unknown; this MDP has: agent, object"):
         tabulate(ROOM.with_tool("none")).find(agent=(0, 0), tool=(1, 1), object=(1, 3))
+
+
+def test_more_placements_than_the_limit_are_refused_before_they_are_made():
+    rows = [["."] * 100 for _ in range(100)]
+    rows[0][:4] = "APCG"
+    world = World.parse("\n".join(map("".join, rows)), "field")
+    with pytest.raises(ValueError, match=r"field: [\d,]{11} placements are more than 50,000,000"):
+        tabulate(world)
+    with pytest.raises(ValueError, match="more than 10; make the map smaller"):
+        tabulate(World.parse("APCG....."), max_states=10)

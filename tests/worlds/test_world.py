@@ -279,3 +279,26 @@ def test_what_is_no_name_is_refused_in_one_line(name: str):
     with pytest.raises(ValueError, match="no such world") as error:
         load_world(name)
     assert str(error.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"agent": (0, 2)}, "share a cell"),
+        ({"agent": (1, 0)}, "the agent is at \\(1, 0\\); put it on a free cell of the 2 x 4 map"),
+        ({"goal": (5, 5)}, "the goal is at"),
+        ({"object": (0, 1)}, "share a cell"),
+        ({"tool_cell": None}, "put 'P' on a floor cell"),
+    ],
+)
+def test_a_world_whose_things_are_not_on_free_cells_of_their_own_is_refused(
+    change: dict[str, object], says: str
+):
+    world = World.parse("APC.\n#..G\n")
+    with pytest.raises(ValueError, match=says):
+        replace(world, **change)  # pyright: ignore[reportArgumentType]
+
+
+def test_only_files_are_read(tmp_path: Path):
+    with pytest.raises(ValueError, match="is not a file"):
+        load_world(tmp_path)

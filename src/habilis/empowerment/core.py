@@ -77,9 +77,13 @@ def _chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int32[np.
     chosen = as_array("actions", actions)
     count = mdp.next_state.shape[1]
     if chosen.ndim != 1 or not len(chosen) or not np.issubdtype(chosen.dtype, np.integer):
-        raise ValueError(f"actions is {actions!r}; give a list of action indices, at least one")
-    if chosen.min() < 0 or chosen.max() >= count:
-        raise ValueError(f"actions is {actions!r}; use indices from 0 to {count - 1}")
+        raise ValueError(
+            f"actions has shape {chosen.shape} and type {chosen.dtype}; "
+            "give a list of action indices, at least one"
+        )
+    outside = chosen[(chosen < 0) | (chosen >= count)]
+    if len(outside):
+        raise ValueError(f"actions has {outside[0]}; use indices from 0 to {count - 1}")
     return np.ascontiguousarray(mdp.next_state[:, np.unique(chosen)])
 
 
@@ -92,9 +96,13 @@ def _chosen_states(mdp: TabularMDP, states: ArrayLike | None) -> Int64[np.ndarra
     if chosen.size == 0:
         return np.empty(0, np.int64)
     if chosen.ndim != 1 or not np.issubdtype(chosen.dtype, np.integer):
-        raise ValueError(f"states is {states!r}; give state indices, or one bool a state")
-    if chosen.min() < 0 or chosen.max() >= mdp.states:
-        raise ValueError(f"states is {states!r}; use indices from 0 to {mdp.states - 1}")
+        raise ValueError(
+            f"states has shape {chosen.shape} and type {chosen.dtype}; "
+            "give state indices, or one bool a state"
+        )
+    outside = chosen[(chosen < 0) | (chosen >= mdp.states)]
+    if len(outside):
+        raise ValueError(f"states has {outside[0]}; use indices from 0 to {mdp.states - 1}")
     return chosen.astype(np.int64)
 
 

@@ -85,11 +85,11 @@ def landscape_states(
     Raises:
         ValueError: there is no state with tool and object there.
     """
-    here = mdp.factor("object") == _label(mdp, object)
+    here = mdp.factor("object") == mdp.label(object)
     if "tool" in mdp.factors:
         if tool is None:
             raise ValueError("the tool has no cell; give tool=(row, column)")
-        here &= mdp.factor("tool") == _label(mdp, tool)
+        here &= mdp.factor("tool") == mdp.label(tool)
     states = np.flatnonzero(here)
     if not len(states):
         raise ValueError(
@@ -150,10 +150,3 @@ def world_landscape(
 def ranking(averages: Mapping[str, float]) -> list[str]:
     """The tools from the most to the least empowering."""
     return sorted(averages, key=lambda tool: -averages[tool])
-
-
-def _label(mdp: TabularMDP, cell: Cell) -> int:
-    assert mdp.shape is not None
-    row, column = cell
-    inside = 0 <= row < mdp.shape[0] and 0 <= column < mdp.shape[1]
-    return row * mdp.shape[1] + column if inside else -2

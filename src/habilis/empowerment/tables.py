@@ -25,15 +25,17 @@ def state_table(mdp: TabularMDP, bits: Float64[np.ndarray, "S"]) -> pl.DataFrame
     return pl.DataFrame(columns | dict(mdp.flags) | {"bits": bits})
 
 
-def save_table(table: pl.DataFrame, path: Path) -> None:
+def save_table(table: pl.DataFrame, path: str | Path) -> None:
     """Writes a table by the file's suffix.
 
     Raises:
-        ValueError: the suffix is neither .csv nor .parquet.
+        ValueError: the suffix is neither .csv nor .parquet, or the file cannot be written.
     """
-    if path.suffix == ".csv":
-        table.write_csv(path)
-    elif path.suffix == ".parquet":
-        table.write_parquet(path)
-    else:
+    path = Path(path)
+    writers = {".csv": table.write_csv, ".parquet": table.write_parquet}
+    if path.suffix.lower() not in writers:
         raise ValueError(f"{path}: unknown kind of file {path.suffix!r}; use .csv or .parquet")
+    try:
+        writers[path.suffix.lower()](path)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise ValueError(f"{path}: cannot be written ({str(error).splitlines()[0]})") from error

@@ -58,33 +58,39 @@ class Config:
     hidden: tuple[int, ...] = _setting((64, 64), "widths of the network's hidden layers")
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "hidden", _widths(self.hidden))
+        for f in fields(self):
+            _check_type(f.name, getattr(self, f.name), type(f.default))
         for name, least in _LEAST.items():
             if not getattr(self, name) >= least:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; give at least {least}")
         for name in ("learning_rate", "clip", "reward_scale"):
-            if not 0 < getattr(self, name) < float("inf"):
+            if not getattr(self, name) > 0:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; give a number above 0")
         for name in ("discount", "gae_lambda"):
             if not 0 <= getattr(self, name) <= 1:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; give a number from 0 to 1")
-        if not abs(self.beta) < float("inf"):
-            raise ValueError(f"beta is {self.beta!r}; give a finite number")
+        if self.seed >= 2**32:
+            raise ValueError(f"seed is {self.seed}; give one below {2**32}")
         if self.optimizer not in OPTIMIZERS:
             raise ValueError(
                 f"optimizer {self.optimizer!r} is unknown; use one of {', '.join(OPTIMIZERS)}"
             )
-        if not self.hidden or min(self.hidden) < 1:
-            raise ValueError(f"hidden is {self.hidden!r}; give at least one width of at least 1")
         if self.rollout > self.episode_limit:
             raise ValueError(
                 f"rollout is {self.rollout} and episode_limit {self.episode_limit}; "
                 "make a rollout no longer than an episode"
             )
+        if (self.intrinsic == NO_INTRINSIC) != (self.beta == 0):
+            raise ValueError(
+                f"intrinsic is {self.intrinsic!r} and beta {self.beta:g}; give both a sensor and "
+                "its weight, or neither"
+            )
 
     @property
     def regularised(self) -> bool:
         """Whether the agent learns from an intrinsic reward besides the extrinsic one."""
-        return self.intrinsic != NO_INTRINSIC and self.beta != 0
+        return self.intrinsic != NO_INTRINSIC
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> "Config":
@@ -99,8 +105,6 @@ class Config:
             raise ValueError(
                 f"setting {unknown[0]!r} is unknown; use some of {', '.join(sorted(known))}"
             )
-        if "hidden" in values:
-            values = {**values, "hidden": tuple(values["hidden"])}
         return replace(cls(), **values)
 
 
@@ -116,3 +120,28 @@ _LEAST = {
     "entropy": 0,
     "value": 0,
 }
+
+_LARGEST = 1e30  # of a number that is learned with, in float32
+
+
+def _check_type(name: str, value: Any, wanted: type) -> None:
+    """Refuses a value that is not of its field's type, or no finite number."""
+    if wanted is int and (isinstance(value, bool) or not isinstance(value, int)):
+        raise ValueError(f"{name} is {value!r}; give a whole number")
+    if wanted is float:
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not number or not abs(value) <= _LARGEST:
+            raise ValueError(f"{name} is {value!r}; give a finite number")
+    if wanted is str and not isinstance(value, str):
+        raise ValueError(f"{name} is {value!r}; give a text")
+
+
+def _widths(value: Any) -> tuple[int, ...]:
+    """Layer widths as a tuple; lists come from JSON."""
+    if (
+        not isinstance(value, tuple | list)
+        or not value
+        or not all(isinstance(width, int) and width >= 1 for width in value)
+    ):
+        raise ValueError(f"hidden is {value!r}; give at least one width of at least 1")
+    return tuple(value)

@@ -9,9 +9,13 @@ parameters.npz      the networks' parameters, runs along the first axis
 
 import json
 import os
+import shutil
+import tempfile
 import zipfile
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -26,12 +30,13 @@ from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
 
-def check_unused(folder: Path) -> None:
+def check_unused(folder: str | Path) -> None:
     """Refuses a folder that a run cannot be saved in, before any work is done.
 
     Raises:
         ValueError: it exists and is not an empty folder, or cannot be written.
     """
+    folder = Path(folder)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ValueError(f"{folder}: exists already; name a new folder, or remove it")
     check_writable(folder)
@@ -44,19 +49,26 @@ def check_writable(folder: Path) -> None:
         ValueError: what exists of its path is no folder, or may not be written to.
     """
     path = folder.absolute()
-    existing = next(p for p in (path, *path.parents) if os.path.lexists(p))
+    try:
+        existing = next(p for p in (path, *path.parents) if os.path.lexists(p))
+        too_long = max(len(os.fsencode(part)) for part in path.parts) > 240
+    except ValueError as error:
+        raise ValueError(f"{str(folder)!r}: is no path ({error}); name another place") from None
+    if too_long:
+        raise ValueError(f"{folder.name[:40]}...: the name is too long; give a shorter one")
     if not existing.is_dir():
         raise ValueError(f"{folder}: {existing} is not a folder; name another place")
     if not os.access(existing, os.W_OK | os.X_OK):
         raise ValueError(f"{folder}: {existing} cannot be written to; name another place")
 
 
-def save_run(run: Run, folder: Path) -> None:
-    """Writes a run into a new folder.
+def save_run(run: Run, folder: str | Path) -> None:
+    """Writes a run into a new folder, all of it or nothing.
 
     Raises:
         ValueError: the folder exists and is not empty, or cannot be written.
     """
+    folder = Path(folder).absolute()
     check_unused(folder)
     summary = {
         "best_return": run.best_return,
@@ -66,56 +78,93 @@ def save_run(run: Run, folder: Path) -> None:
     }
     leaves = jax.tree_util.tree_leaves_with_path(run.networks)
     parameters = {jax.tree_util.keystr(path): np.asarray(leaf) for path, leaf in leaves}
+    temporary = None
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "config.json").write_text(json.dumps(asdict(run.config), indent=2) + "\n")
-        (folder / "world.txt").write_text(run.world.text())
-        (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
-        run.episodes.write_parquet(folder / "episodes.parquet")
-        np.savez(folder / "parameters.npz", allow_pickle=False, **parameters)
-    except OSError as error:
-        raise ValueError(f"{folder}: cannot write the run ({error.strerror})") from error
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}-"))
+        (temporary / "config.json").write_text(json.dumps(asdict(run.config), indent=2) + "\n")
+        (temporary / "world.txt").write_text(run.world.text())
+        (temporary / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+        run.episodes.write_parquet(temporary / "episodes.parquet")
+        np.savez(temporary / "parameters.npz", allow_pickle=False, **parameters)
+        temporary.chmod(0o755)
+        temporary.rename(folder)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        if temporary is not None:
+            shutil.rmtree(temporary, ignore_errors=True)
+        raise ValueError(f"{folder}: cannot write the run ({_first_line(error)})") from error
 
 
-def load_run(folder: Path) -> Run:
+def load_run(folder: str | Path) -> Run:
     """Reads a run back.
 
     Raises:
         ValueError: the folder holds no run, or a damaged one; the message names the file.
     """
-    path = folder
+    folder = Path(folder)
+    config = _read(folder / "config.json", lambda p: Config.from_dict(json.loads(p.read_text())))
+    summary = _read(folder / "summary.json", lambda path: _summary(path, config))
+    world = _read(
+        folder / "world.txt",
+        lambda path: World.parse(path.read_text(), summary["world"]).with_tool(summary["tool"]),
+    )
+    return Run(
+        config=config,
+        world=world,
+        best_return=summary["best_return"],
+        episodes=_read(folder / "episodes.parquet", _episodes),
+        converged_at=tuple(summary["converged_at"]),
+        networks=_read(folder / "parameters.npz", lambda path: _load_networks(path, config, world)),
+    )
+
+
+Value = TypeVar("Value")
+
+
+def _read(path: Path, read: Callable[[Path], Value]) -> Value:
+    """Reads one file of a run.
+
+    Raises:
+        ValueError: it is missing or damaged.
+    """
     try:
-        path = folder / "config.json"
-        config = Config.from_dict(json.loads(path.read_text()))
-        path = folder / "summary.json"
-        summary = json.loads(path.read_text())
-        path = folder / "world.txt"
-        world = World.parse(path.read_text(), summary["world"]).with_tool(summary["tool"])
-        path = folder / "episodes.parquet"
-        episodes = pl.read_parquet(path)
-        path = folder / "parameters.npz"
-        networks = _load_networks(path, config, world)
-        return Run(
-            config=config,
-            world=world,
-            best_return=summary["best_return"],
-            episodes=episodes,
-            converged_at=tuple(summary["converged_at"]),
-            networks=networks,
-        )
+        return read(path)
     except FileNotFoundError as error:
         raise ValueError(f"{path}: is missing; name the folder of a finished run") from error
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        TypeError,
-        zipfile.BadZipFile,
-        pl.exceptions.PolarsError,
-    ) as error:
+    except (*_DAMAGE, pl.exceptions.PolarsError) as error:
         raise ValueError(
-            f"{path}: is damaged ({str(error).splitlines()[0]}); train the run again"
+            f"{path}: is damaged ({_first_line(error)}); train the run again"
         ) from error
+
+
+_DAMAGE = (
+    *(OSError, ValueError, KeyError, TypeError, AttributeError),
+    *(EOFError, RecursionError, zipfile.BadZipFile),
+)
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]
+
+
+def _summary(path: Path, config: Config) -> dict[str, Any]:
+    summary = json.loads(path.read_text())
+    counts = summary["converged_at"]
+    if len(counts) != config.runs or not all(n is None or isinstance(n, int) for n in counts):
+        raise ValueError(f"converged_at has no entry for each of the {config.runs} runs")
+    if not isinstance(summary["best_return"], int | float):
+        raise ValueError("best_return is no number")
+    if not all(isinstance(summary[name], str) for name in ("world", "tool")):
+        raise ValueError("world or tool is no name")
+    return summary
+
+
+def _episodes(path: Path) -> pl.DataFrame:
+    episodes = pl.read_parquet(path)
+    missing = {"run", "episode", "steps", "return"} - set(episodes.columns)
+    if missing:
+        raise ValueError(f"column {min(missing)} is missing")
+    return episodes
 
 
 def _load_networks(path: Path, config: Config, world: World) -> ActorCritic:
@@ -131,6 +180,8 @@ def _load_networks(path: Path, config: Config, world: World) -> ActorCritic:
     with path.open("rb") as file, np.load(file) as saved:
         loaded = [jnp.asarray(saved[jax.tree_util.keystr(name)]) for name, _ in leaves]
     for (name, leaf), array in zip(leaves, loaded, strict=True):
-        if leaf.shape != array.shape:
-            raise ValueError(f"{jax.tree_util.keystr(name)} has shape {array.shape}")
+        if leaf.shape != array.shape or leaf.dtype != array.dtype:
+            raise ValueError(f"{jax.tree_util.keystr(name)} is {array.dtype}{array.shape}")
+        if not jnp.isfinite(array).all():
+            raise ValueError(f"{jax.tree_util.keystr(name)} has entries that are not finite")
     return jax.tree_util.tree_unflatten(structure, loaded)

@@ -1,6 +1,6 @@
 """What an agent learned, acted out."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import jax
 import numpy as np
@@ -9,7 +9,6 @@ from habilis.learning.runs import Run
 from habilis.learning.train import make_task
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
-from habilis.worlds.world import World
 
 
 @dataclass(frozen=True)
@@ -66,20 +65,3 @@ def play(run: Run, index: int = 0) -> Episode:
         if mdp.terminal[reached] or again:
             finished = bool(mdp.terminal[reached])
             return Episode(tuple(states), tuple(actions), total, finished)
-
-
-def placements(world: World, mdp: TabularMDP, states: tuple[int, ...]) -> list[World]:
-    """States as worlds: the same map with its things at other cells."""
-
-    def cell(name: str, state: int):
-        return divmod(int(mdp.factor(name)[state]), world.width)
-
-    return [
-        replace(
-            world,
-            agent=cell("agent", state),
-            object=cell("object", state),
-            tool_cell=cell("tool", state) if "tool" in mdp.factors else world.tool_cell,
-        )
-        for state in states
-    ]

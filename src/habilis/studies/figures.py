@@ -1,7 +1,6 @@
 """The paper's figures, redrawn from our worlds and runs."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +12,7 @@ from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, corridor, yard
 from habilis.studies.tables import Result
 from habilis.worlds.pictures import draw_world, landscape_figure
 from habilis.worlds.rules import ACTIONS
-from habilis.worlds.table import tabulate
+from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import World
 
 # Colour-blind-safe (Okabe and Ito).
@@ -58,11 +57,7 @@ def figure_1() -> Figure:
 def after(world: World, action: int) -> World:
     """The world one action later."""
     mdp = tabulate(world)
-    state = mdp.next_state[mdp.start, action]
-    agent, tool, thing = (
-        divmod(int(mdp.factor(name)[state]), world.width) for name in ("agent", "tool", "object")
-    )
-    return replace(world, agent=agent, tool_cell=tool, object=thing)
+    return placement(world, mdp, mdp.next_state[mdp.start, action])
 
 
 def _panel(ax: Axes, world: World, title: str, framed: bool) -> None:

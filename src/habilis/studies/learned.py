@@ -49,7 +49,9 @@ def _figure_2(first: Sequence[Result]) -> list[Relation]:
     agents = {"none": "vanilla", "state": "FOE", "object": "TOE"}
     shares = {
         "with the picker equipped": {r.row.intrinsic: equipped_share(r.run) for r in first},
-        "of those with the can attached": {r.row.intrinsic: attached_share(r.run) for r in first},
+        "with the can attached (of those with the picker equipped)": {
+            r.row.intrinsic: attached_share(r.run) for r in first
+        },
     }
     pairs = (("state", "none"), ("object", "none"), ("state", "object"))
     return [

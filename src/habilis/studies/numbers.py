@@ -57,7 +57,13 @@ def published_numbers() -> list[Number]:
         Number("IV-B", "average tool's object empowerment, h = 6", "1.4", first.average(6), "bits"),
         Number("IV-B.2", "1-step FOE next to the tool, least", "2.6", near_tool.min(), "bits"),
         Number("IV-B.2", "1-step FOE next to the tool, most", "3", near_tool.max(), "bits"),
-        Number("IV-B.2", "5-step FOE, maximum", "7", _peak(far_foe), "bits"),
+        Number(
+            "IV-B.2",
+            "5-step FOE, maximum (here between picker and can)",
+            "7",
+            _peak(far_foe),
+            "bits",
+        ),
         Number("IV-B.2", "1-step TOE, maximum", "1", _peak(toe), "bits"),
         Number(
             "IV-B.2",

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import polars as pl
 
 from habilis.learning.display import progress_bars
 from habilis.learning.folder import check_writable
@@ -19,14 +20,15 @@ from habilis.studies.learned import learned_relations
 from habilis.studies.numbers import published_numbers
 from habilis.studies.outcome import Reproduction
 from habilis.studies.published import EXPERIMENTS
-from habilis.studies.relations import stated_relations
 from habilis.studies.report import write_report
 from habilis.studies.settings import FULL, QUICK, row_config
+from habilis.studies.statements import stated_relations
 from habilis.studies.tables import Result, table
 from habilis.worlds.pictures import save_figure, save_picture
 from habilis.worlds.world import load_world
 
-MARK = "numbers.json"  # a folder that has it is an earlier reproduction, and may be replaced
+MARK = "numbers.json"
+_SUFFIXES = (".csv", ".parquet", ".svg", ".html")  # of what else is written
 
 
 def reproduce(
@@ -76,24 +78,44 @@ def reproduce(
 
 
 def _check_replaceable(out: Path) -> None:
-    if out.exists() and (not out.is_dir() or (any(out.iterdir()) and not (out / MARK).exists())):
+    """Refuses a folder that holds anything but an earlier reproduction."""
+    if out.is_symlink():
+        raise ValueError(f"{out}: is a link; name the folder itself")
+    if out.exists() and not _is_reproduction(out):
         raise ValueError(f"{out}: exists and is no earlier reproduction; name a new folder")
     check_writable(out)
+
+
+def _is_reproduction(folder: Path) -> bool:
+    """Whether a folder is empty, or has our numbers and no file that is not ours."""
+    if not folder.is_dir():
+        return False
+    names = {path.name for path in folder.iterdir()}
+    if not names:
+        return True
+    try:
+        ours = "habilis" in json.loads((folder / MARK).read_text("utf-8"))
+    except (OSError, ValueError, TypeError):
+        return False
+    return ours and all(name == MARK or Path(name).suffix in _SUFFIXES for name in names)
 
 
 def _write(reproduction: Reproduction) -> None:
     """Writes everything beside the folder first, then puts it in its place."""
     out = reproduction.folder.absolute()
     out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=out.parent, prefix=f".{out.name}-") as temporary:
-        folder = Path(temporary) / out.name
-        folder.mkdir()
+    folder = Path(tempfile.mkdtemp(dir=out.parent, prefix=f".{out.name}-"))
+    try:
         _write_data(reproduction, folder)
         _write_figures(reproduction.results, folder)
         write_report(reproduction, folder)
+        folder.chmod(0o755)
         if out.exists():
             shutil.rmtree(out)
         folder.rename(out)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        reason = str(error).splitlines()[0]
+        raise ValueError(f"{out}: cannot be written ({reason}); what there is: {folder}") from error
 
 
 def _write_data(reproduction: Reproduction, folder: Path) -> None:

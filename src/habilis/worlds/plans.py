@@ -43,7 +43,7 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
         ValueError: there is no such state.
     """
     start = mdp.start if start is None else start
-    if not 0 <= start < mdp.states:
+    if not isinstance(start, int | np.integer) or not 0 <= start < mdp.states:
         raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
     came_from = np.full((mdp.states, 2), -1)
     seen = np.zeros(mdp.states, bool)

@@ -1,16 +1,19 @@
 """From a world to its table."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from habilis.mdp import TabularMDP
 from habilis.worlds.rules import ACTIONS, MOVES, Grid, successor
 from habilis.worlds.tools import Cells
-from habilis.worlds.world import World
+from habilis.worlds.world import Cell, World
 
+MAX_STATES = 50_000_000
 _BLOCK = 1 << 14  # placements moved at once: the arrays of one block stay in the cache
 
 
-def tabulate(world: World) -> TabularMDP:
+def tabulate(world: World, max_states: int = MAX_STATES) -> TabularMDP:
     """Every placement of agent, tool and object, and what each action does to it.
 
     The states are all placements with the tool in hand, and all with the tool lying at its
@@ -20,18 +23,28 @@ def tabulate(world: World) -> TabularMDP:
 
     Args:
         world: the map; its tool decides on eight actions, or four without one.
+        max_states: how many placements to accept; each takes about 150 bytes.
 
     Returns:
         A table with factors "agent", "object" and, unless the tool is "none", "tool"; flags
         "equipped" and "attached"; the map's placement as `start`.
 
+    Raises:
+        ValueError: the map has more placements.
+
     Example:
-        >>> from habilis.worlds.world import World
+        >>> from habilis.worlds.world import Cell, World
         >>> tabulate(World.parse("A.CG", name="line")).actions
         ('north', 'east', 'south', 'west')
     """
     grid, rule = Grid.of(world), world.tool_rule
     hands = _hands(world, grid)
+    most = len(hands) * len(grid.free)
+    if most > max_states:
+        raise ValueError(
+            f"{world.name}: {most:,} placements are more than {max_states:,}; "
+            "make the map smaller, or raise max_states if there is memory for it"
+        )
     state_of = np.full((len(hands), len(grid.wall)), -1, np.int32)
     in_hand = (hands[:, :, None] == grid.free).any(axis=1)
     state_of[:, grid.free] = np.where(in_hand, -1, 0)
@@ -69,6 +82,17 @@ def tabulate(world: World) -> TabularMDP:
         shape=(world.height, world.width),
         actions=actions,
     )
+
+
+def placement(world: World, mdp: TabularMDP, state: int) -> World:
+    """A state as a world: the same map with its things where the state has them."""
+
+    def cell(factor: str) -> Cell:
+        row, column = divmod(int(mdp.factor(factor)[state]), world.width)
+        return row, column
+
+    tool_cell = cell("tool") if "tool" in mdp.factors else world.tool_cell
+    return replace(world, agent=cell("agent"), object=cell("object"), tool_cell=tool_cell)
 
 
 def _hands(world: World, grid: Grid) -> Cells:

@@ -40,6 +40,31 @@ class World:
     tool: str = NO_TOOL
     tool_cell: Cell | None = None
 
+    def __post_init__(self) -> None:
+        """Refuses things that are not on free cells of the map, or on each other.
+
+        Raises:
+            ValueError: naming the thing and its cell.
+        """
+        tool_rule = self.tool_rule
+        if tool_rule is not None and self.tool_cell is None:
+            raise ValueError(
+                f"{self.name}: the map has no tool whose place a {self.tool} could take; "
+                f"put {tool_rule.character!r} on a floor cell"
+            )
+        placed = {"agent": self.agent, "can": self.object}
+        if tool_rule is not None and self.tool_cell is not None:
+            placed["tool"] = self.tool_cell
+        for thing, cell in {**placed, "goal": self.goal}.items():
+            row, column = cell
+            if not (0 <= row < self.height and 0 <= column < self.width) or cell in self.walls:
+                raise ValueError(
+                    f"{self.name}: the {thing} is at {cell}; put it on a free cell of the "
+                    f"{self.height} x {self.width} map"
+                )
+        if len(set(placed.values())) < len(placed):
+            raise ValueError(f"{self.name}: {placed} share a cell; give each its own")
+
     @classmethod
     def parse(cls, text: str, name: str = "map") -> "World":
         """Reads a map: one character a cell, lines starting with `;` are comments.
@@ -110,13 +135,6 @@ class World:
         Raises:
             ValueError: no such tool, or the map has no cell marked for a tool.
         """
-        if tool != NO_TOOL:
-            tool_named(tool)
-            if self.tool_cell is None:
-                raise ValueError(
-                    f"{self.name}: the map has no tool whose place a {tool} could take; "
-                    f"put {TOOLS[tool].character!r} on a floor cell"
-                )
         return replace(self, tool=tool)
 
     @property
@@ -184,6 +202,8 @@ def _source(name: str | Path) -> tuple[str, str]:
         text = next(f for f in _builtin_files() if f.name == f"{name}.txt").read_text("utf-8")
         return text, str(name)
     path = Path(name)
+    if path.exists() and not path.is_file():
+        raise ValueError(f"{path}: is not a file; give the path of a map file")
     shown = repr(str(name)) if not str(name).isprintable() else str(name)
     try:
         return path.read_text("utf-8"), path.name
