@@ -1,6 +1,7 @@
 """The command line: what it prints, and how it refuses."""
 
 import json
+import subprocess
 import sys
 
 import numpy as np
@@ -144,6 +145,18 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         (["empowerment", "yard", "--horizon", "1", "--actions", "9"], "indices from 0 to 7"),
         (["train", "yard", "--runs", "0", "--out", "run"], "runs is 0; give at least 1"),
         (["train", "yard", "--intrinsic", "smell", "--beta", "1", "--out", "run"], "smell"),
+        (["train", "yard", "--intrinsic", "object", "--out", "run"], "give both a sensor and"),
+        (["train", "yard", "--seed", "9" * 25, "--out", "run"], "give one below"),
+        (["train", "yard", "--hidden", "a", "--out", "run"], "no list of widths"),
+        (["train", "yard", "--runs", "1", "--out", "x" * 300], "the name is too long"),
+        (["reproduce", "--out", "x" * 300], "the name is too long"),
+        (["worlds", "--tool", "broom"], "no world to draw"),
+        (["landscape", "yard", "--horizon", "1", "--tool-at", "a"], "no cell, as 2,6"),
+        (
+            ["landscape", "yard", "--tool", "none", "--horizon", "1", "--tool-at", "0,5"],
+            "has no tool here",
+        ),
+        (["solve", "/dev/zero"], "is not a file"),
         (["watch", "nothing-here"], "config.json: is missing"),
         (["bench", "sleep"], "benchmark 'sleep' is unknown"),
         (["fly"], "invalid choice: 'fly'"),
@@ -176,6 +189,23 @@ def test_a_malformed_map_is_refused_with_place_and_mend(text, says, capsys, tmp_
     (tmp_path / "map.txt").write_text(text)
     assert main(["solve", str(tmp_path / "map.txt")]) == 2
     assert says in capsys.readouterr().err
+
+
+def test_a_full_disk_is_one_line():
+    with open("/dev/full", "w") as full:
+        code = "import sys; from habilis.cli import main; sys.exit(main(['worlds']))"
+        done = subprocess.run(
+            [sys.executable, "-c", code], stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert done.returncode == 2
+    assert "No space left" in done.stderr.splitlines()[0]
+    assert "Traceback" not in done.stderr
+
+
+def test_a_reader_that_goes_away_is_no_error():
+    command = f"{sys.executable} -m habilis.cli empowerment yard --horizon 1 | true"
+    done = subprocess.run(command, shell=True, stderr=subprocess.PIPE, text=True)
+    assert done.stderr == ""
 
 
 def test_a_file_that_cannot_be_written_is_one_line(capsys, tmp_path):

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from habilis.learning.a2c import Shape, actor_critic_loss, advance, start_lanes
+from habilis.learning.a2c import Shape, _optimizer, actor_critic_loss, advance, start_lanes
 from habilis.learning.config import Config
 from habilis.learning.networks import ActorCritic
 from habilis.learning.train import make_settings, make_task
@@ -144,6 +144,65 @@ def test_the_loss_is_the_formula_by_hand():
     first = -np.log(0.75) * 2 + 0.5 * 9 - 0.1 * entropy
     second = np.log(0.25) * 1 + 0 - 0.1 * entropy
     assert loss == pytest.approx((first + second) / 2, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"learning_rate": 1e-3},
+        {"clip": 1e-3},
+        {"entropy": 0.5},
+        {"value": 2.0},
+        {"discount": 0.9},
+        {"gae_lambda": 0.2},
+        {"reward_scale": 0.3},
+        {"episode_limit": 5},
+        {"optimizer": "adam"},
+        {"envs": 4},
+        {"rollout": 2},
+        {"hidden": (17,)},
+        {"seed": 4},
+    ],
+    ids=str,
+)
+def test_every_setting_changes_what_is_learned(change):
+    next_state = np.array([[1, 0, 2], [2, 0, 1], [3, 1, 0], [3, 3, 3]])
+    reward = np.array([[-1, -2, 0], [-1, 1, -1], [0, -1, 2], [0, 0, 0]], float)
+    mdp = TabularMDP.deterministic(next_state, reward, np.arange(4) == 3)
+    policy, values, _ = learn(mdp, updates=20)
+    other_policy, other_values, _ = learn(mdp, replace(QUICK, **change), updates=20)
+    assert not np.array_equal(policy, other_policy)
+    assert not np.array_equal(values, other_values)
+
+
+def optimizer_step(gradient, **change):
+    """The first change of the parameters, float[n]."""
+    config = replace(QUICK, learning_rate=0.1, **change)
+    shape = Shape(1, 1, config.optimizer, (1,), 1)
+    settings = jax.tree.map(lambda leaf: leaf[0], make_settings([config], np.zeros((1, 1))))
+    transform = _optimizer(settings, shape)
+    gradient = jnp.asarray(gradient)
+    return np.asarray(transform.update(gradient, transform.init(gradient))[0])
+
+
+def test_a_gradient_is_clipped_to_its_norm_then_scaled_by_rmsprop():
+    def by_hand(gradient):
+        return -0.1 * gradient / np.sqrt(0.01 * gradient**2 + 1e-5)
+
+    small, large = np.array([0.3, -0.4]), np.array([30.0, -40.0])
+    np.testing.assert_allclose(optimizer_step(small, clip=1.0), by_hand(small), rtol=1e-5)
+    np.testing.assert_allclose(optimizer_step(large, clip=0.005), by_hand(large / 1e4), rtol=1e-5)
+
+
+def test_adams_first_step_is_its_learning_rate():
+    step = optimizer_step(np.array([0.3, -0.4]), clip=1.0, optimizer="adam")
+    np.testing.assert_allclose(step, [-0.1, 0.1], rtol=1e-4)
+
+
+def test_a_new_agent_is_undecided_and_expects_nothing():
+    policy, values, _ = learn(cycle(4, 3, np.zeros((4, 3))), replace(QUICK, learning_rate=1e-9))
+    np.testing.assert_allclose(policy, 1 / 3, atol=0.02)
+    np.testing.assert_allclose(values, 0, atol=0.05)
 
 
 def test_the_loop_is_compiled_once_for_equal_shapes():

@@ -101,7 +101,7 @@ def test_a_folder_in_use_is_refused_and_left_alone(run, folder):
 
 def test_a_file_in_the_place_of_the_folder_is_refused(run, tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(ValueError, match="exists already"):
+    with pytest.raises(ValueError, match="is not a folder"):
         save_run(run, tmp_path / "file")
 
 

@@ -29,6 +29,8 @@ from habilis.learning.train import make_task
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
+_LONGEST_NAME = 240  # bytes: what file systems allow, less what a temporary name adds
+
 
 def check_unused(folder: str | Path) -> None:
     """Refuses a folder that a run cannot be saved in, before any work is done.
@@ -37,9 +39,9 @@ def check_unused(folder: str | Path) -> None:
         ValueError: it exists and is not an empty folder, or cannot be written.
     """
     folder = Path(folder)
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise ValueError(f"{folder}: exists already; name a new folder, or remove it")
     check_writable(folder)
+    if folder.exists() and any(folder.iterdir()):
+        raise ValueError(f"{folder}: exists already; name a new folder, or remove it")
 
 
 def check_writable(folder: Path) -> None:
@@ -49,13 +51,12 @@ def check_writable(folder: Path) -> None:
         ValueError: what exists of its path is no folder, or may not be written to.
     """
     path = folder.absolute()
+    if max(len(os.fsencode(part)) for part in path.parts) > _LONGEST_NAME:
+        raise ValueError(f"{folder.name[:40]}...: the name is too long; give a shorter one")
     try:
         existing = next(p for p in (path, *path.parents) if os.path.lexists(p))
-        too_long = max(len(os.fsencode(part)) for part in path.parts) > 240
     except ValueError as error:
         raise ValueError(f"{str(folder)!r}: is no path ({error}); name another place") from None
-    if too_long:
-        raise ValueError(f"{folder.name[:40]}...: the name is too long; give a shorter one")
     if not existing.is_dir():
         raise ValueError(f"{folder}: {existing} is not a folder; name another place")
     if not os.access(existing, os.W_OK | os.X_OK):

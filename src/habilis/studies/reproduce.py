@@ -79,11 +79,11 @@ def reproduce(
 
 def _check_replaceable(out: Path) -> None:
     """Refuses a folder that holds anything but an earlier reproduction."""
+    check_writable(out)
     if out.is_symlink():
         raise ValueError(f"{out}: is a link; name the folder itself")
     if out.exists() and not _is_reproduction(out):
         raise ValueError(f"{out}: exists and is no earlier reproduction; name a new folder")
-    check_writable(out)
 
 
 def _is_reproduction(folder: Path) -> bool:
