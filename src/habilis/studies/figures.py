@@ -86,9 +86,11 @@ def returns_figure(results: Sequence[Result]) -> Figure:
     figure = Figure(figsize=(11, 4.2), dpi=96)
     ax = figure.subplots()
     _curves(ax, results, returns)
-    for best in {result.run.best_return for result in results}:
-        ax.axhline(best, color="#5b6270", linewidth=0.8, linestyle=":")
+    best = {result.run.best_return for result in results}
+    for value in best:
+        ax.axhline(value, color="#5b6270", linewidth=0.8, linestyle=":")
     ax.set(ylabel="mean return (dotted: best)", yscale="symlog")
+    ax.set_ylim(top=0.75 * max(best))
     ax.legend(frameon=False)
     figure.tight_layout()
     return figure
