@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import polars as pl
 import pytest
@@ -89,14 +87,3 @@ def test_an_order_holds_only_if_it_is_separated():
     assert not relations(fast, slow, slow)[order].holds
     assert not relations(slow, slow, run(1, 0, (100, 905, 1400)))[order].holds
     assert not relations(slow, slow, slow)[order].holds
-
-
-def test_a_lower_bound_can_prove_a_row_slower_but_not_faster():
-    slow, fast = run(1, 0, (900, 905, 910)), run(1, 0, (100, 105, 110))
-    slow_given_up = replace(slow, converged_at=(900, None, 910))
-    fast_given_up = replace(fast, converged_at=(100, None, 110))
-    order = "Table I: “A2C with 6-step TOE” converges before “A2C”"
-    assert relations(slow_given_up, slow, fast)[order].holds
-    assert "undecided" in relations(slow, slow, fast_given_up)[order].found
-    assert "opposite" in relations(fast, slow, slow_given_up)[order].found
-    assert "undecided" in relations(fast_given_up, slow, slow)[order].found

@@ -7,7 +7,7 @@ import pytest
 from habilis.learning.config import Config
 from habilis.learning.runs import Run
 from habilis.studies.published import EXPERIMENTS
-from habilis.studies.tables import Outcome, Result, comparisons, table
+from habilis.studies.tables import Outcome, Result, comparisons, mann_whitney, table
 from habilis.worlds.world import load_world
 
 FIRST, SECOND = EXPERIMENTS
@@ -78,20 +78,49 @@ def test_the_papers_pairs_are_separated_as_its_figures_say():
 
 
 def test_verdicts_are_plain_about_order_doubt_and_runs_given_up():
-    fast, slow = run([100, 110, 105]), run([200, 210, 205])
-    given_up = run([100, 111, 104], given_up=[0])
+    fast, slow = run([100, 110, 105, 104, 107]), run([200, 210, 205, 220, 190])
+    given_up = run([900, 111, 104, 103, 102], given_up=[0])
     verdict = {
         (c.faster, c.slower): c.verdict
         for c in comparisons(FIRST, results(FIRST, [slow, fast, given_up]))
     }
     vanilla, foe, toe = (row.label for row in FIRST.rows)
     assert verdict[foe, vanilla].startswith("the paper's order (p = ")
-    assert verdict[toe, foe] == "undecided: runs were given up"
-    assert verdict[toe, vanilla] == "undecided: runs were given up"
+    assert verdict[toe, foe].startswith("by ranks, as runs were given up: undecided")
+    assert verdict[toe, vanilla].startswith("by ranks, as runs were given up: undecided")
     opposite = comparisons(FIRST, results(FIRST, [fast, slow, slow]))
     assert all(
         c.verdict.startswith("the opposite order (p") for c in opposite if c.slower == vanilla
     )
+
+
+def test_where_runs_were_given_up_ranks_decide_and_not_the_episodes_they_had():
+    """One of ten given up: early or late, it counts as the slowest."""
+    fast, slow = list(range(100, 110)), list(range(200, 210))
+    for had in (1, 5_000):
+        few = run([*fast[:9], had], given_up=[9])
+        ours = comparisons(FIRST, results(FIRST, [run(slow), few, few]))
+        assert all(c.outcome is Outcome.HOLDS for c in ours if c.slower == "A2C")
+        assert all(not c.complete for c in ours)
+        none = run([had] * 10, given_up=range(10))
+        ours = comparisons(FIRST, results(FIRST, [run(slow), none, none]))
+        assert all(c.outcome is Outcome.OPPOSITE for c in ours if c.slower == "A2C")
+
+
+def test_the_median_takes_a_run_given_up_for_the_longest():
+    assert Result.of(FIRST.rows[0], run([10, 20, 1], given_up=[2])).median == 20
+    assert Result.of(FIRST.rows[0], run([10, 20, 1], given_up=[0, 2])).median == np.inf
+
+
+def test_mann_whitney_is_what_it_says():
+    a, b = np.array([1.0, 2, 5, np.inf]), np.array([3.0, 4, 6, 7])
+    below, p = mann_whitney(a, b)
+    assert below == (4 + 4 + 2 + 0) / 16
+    deviation = np.sqrt(4 * 4 * 9 / 12)
+    from scipy.stats import norm
+
+    assert p == pytest.approx(2 * norm.sf((10 - 8 - 0.5) / deviation))
+    assert mann_whitney(np.full(3, np.inf), np.full(3, np.inf)) == (0.5, 1.0)
 
 
 def test_equal_rows_and_rows_that_do_not_vary_are_undecided():

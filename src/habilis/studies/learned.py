@@ -35,8 +35,8 @@ def learned_relations(results: Results) -> list[Relation]:
             "IV-B.1" if experiment.name == "table1" else "IV-C.1",
             f"{experiment.title}: “{c.faster}” converges before “{c.slower}”",
             c.outcome is Outcome.HOLDS,
-            f"{c.verdict}; ratio {c.ours_ratio:.2f}, the paper's {c.published_ratio:.2f} "
-            f"(p = {c.published_p:.2g})",
+            f"{c.verdict}; {f'ratio {c.ours_ratio:.2f}, ' if c.complete else ''}"
+            f"the paper's ratio {c.published_ratio:.2f} (p = {c.published_p:.2g})",
         )
         for experiment in EXPERIMENTS
         for c in comparisons(experiment, results[experiment.name])

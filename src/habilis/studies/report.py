@@ -20,7 +20,7 @@ def write_report(reproduction: Reproduction, folder: Path) -> None:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["episodes"] = lambda value: f"{value:,.0f}"
+    environment.filters["episodes"] = lambda value: "–" if value is None else f"{value:,.0f}"
     page = environment.get_template("report.html").render(
         reproduction=reproduction,
         summary=reproduction.summary(),

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 import polars as pl
-from scipy.stats import ttest_ind, ttest_ind_from_stats
+from scipy.stats import mannwhitneyu, rankdata, ttest_ind, ttest_ind_from_stats
 
 from habilis.learning.runs import Run
 from habilis.studies.published import RUNS, Experiment, Row
@@ -48,6 +48,17 @@ class Result:
         return float(self.counts.mean())
 
     @property
+    def median(self) -> float:
+        """Of the runs, those given up above all others: infinite if half of them were."""
+        return float(np.median(self.ranked))
+
+    @property
+    def ranked(self) -> np.ndarray:
+        """float64[runs], episodes to convergence, infinite for a run that was given up."""
+        at = self.run.converged_at
+        return np.array([np.inf if n is None else n for n in at], float)
+
+    @property
     def deviation(self) -> float:
         """Sample standard deviation; 0 for a single run."""
         return float(self.counts.std(ddof=1)) if len(self.counts) > 1 else 0.0
@@ -73,8 +84,12 @@ class Comparison:
         faster, slower: labels of the row that is the faster and the slower one in the paper.
         published_ratio, ours_ratio: episodes of the first over episodes of the second.
         published_p, ours_p: two-sided p-values of Welch's unequal-variances t-test.
-        faster_complete, slower_complete: whether all runs of the row converged. If not, our
-            mean of it is a lower bound, and so is a p-value no p-value.
+        complete: whether all our runs converged. If not, means are lower bounds, ratio and
+            Welch's test say nothing, and ranks decide.
+        rank_p: two-sided p-value of Mann and Whitney's test, for which it is enough to know that
+            a run that was given up would have taken longer.
+        faster_first: whether our runs of the first row come before those of the second, by
+            their means, or by their ranks where runs were given up.
     """
 
     faster: str
@@ -83,32 +98,32 @@ class Comparison:
     ours_ratio: float
     published_p: float
     ours_p: float
-    faster_complete: bool
-    slower_complete: bool
+    complete: bool
+    rank_p: float
+    faster_first: bool
+
+    @property
+    def p(self) -> float:
+        """Of the test that decides."""
+        return self.ours_p if self.complete else self.rank_p
 
     @property
     def outcome(self) -> Outcome:
-        """Whether our runs show the paper's order, the opposite one, or neither.
-
-        A row whose mean is a lower bound can only be the slower of two.
-        """
-        if not self.ours_p < 0.05:
+        """Whether our runs show the paper's order, the opposite one, or neither (p = 0.05)."""
+        if not self.p < 0.05:
             return Outcome.UNDECIDED
-        if self.ours_ratio < 1:
-            return Outcome.HOLDS if self.faster_complete else Outcome.UNDECIDED
-        return Outcome.OPPOSITE if self.slower_complete else Outcome.UNDECIDED
+        return Outcome.HOLDS if self.faster_first else Outcome.OPPOSITE
 
     @property
     def verdict(self) -> str:
         """The outcome in plain words."""
-        given_up = "" if self.faster_complete and self.slower_complete else "; runs were given up"
-        if self.outcome is Outcome.HOLDS:
-            return f"the paper's order (p = {self.ours_p:.2g}{given_up})"
-        if self.outcome is Outcome.OPPOSITE:
-            return f"the opposite order (p = {self.ours_p:.2g}{given_up})"
-        if given_up:
-            return "undecided: runs were given up"
-        return f"undecided: not separated (p = {self.ours_p:.2g})"
+        words = {
+            Outcome.HOLDS: "the paper's order",
+            Outcome.OPPOSITE: "the opposite order",
+            Outcome.UNDECIDED: "undecided: not separated",
+        }
+        by = "" if self.complete else "by ranks, as runs were given up: "
+        return f"{by}{words[self.outcome]} (p = {self.p:.2g})"
 
 
 def comparisons(experiment: Experiment, results: Sequence[Result]) -> list[Comparison]:
@@ -125,6 +140,8 @@ def _compare(fast: Result, slow: Result) -> Comparison:
         *(slow.row.mean, slow.row.deviation, RUNS),
         equal_var=False,
     )
+    complete = fast.all_converged and slow.all_converged
+    below, rank_p = mann_whitney(fast.ranked, slow.ranked)
     return Comparison(
         faster=fast.row.label,
         slower=slow.row.label,
@@ -132,9 +149,24 @@ def _compare(fast: Result, slow: Result) -> Comparison:
         ours_ratio=fast.ratio(slow),
         published_p=float(published.pvalue),
         ours_p=welch(fast.counts, slow.counts),
-        faster_complete=fast.all_converged,
-        slower_complete=slow.all_converged,
+        complete=complete,
+        rank_p=rank_p,
+        faster_first=fast.mean < slow.mean if complete else below > 0.5,
     )
+
+
+def mann_whitney(a: np.ndarray, b: np.ndarray) -> tuple[float, float]:
+    """How often a value of the first is below one of the second (ties count half), and p.
+
+    p is two-sided, by the normal approximation with ties and continuity corrected; 1 where all
+    values are equal.
+    """
+    below = float((np.less.outer(a, b) + 0.5 * np.equal.outer(a, b)).mean())
+    ranks = rankdata(np.concatenate([a, b]))
+    if np.ptp(ranks) == 0:
+        return below, 1.0
+    test = mannwhitneyu(ranks[: len(a)], ranks[len(a) :], method="asymptotic")
+    return below, float(test.pvalue)
 
 
 def welch(a: np.ndarray, b: np.ndarray) -> float:
@@ -150,7 +182,10 @@ def welch(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def table(experiment: Experiment, results: Sequence[Result]) -> pl.DataFrame:
-    """A row for each of the paper's, with ours beside it; ratios are to the vanilla row."""
+    """A row for each of the paper's, with ours beside it; ratios are to the vanilla row.
+
+    There is no median where half of the runs or more were given up.
+    """
     vanilla = {result.row.tool: result for result in results if result.row.vanilla}
     rows = []
     for result in results:
@@ -163,10 +198,11 @@ def table(experiment: Experiment, results: Sequence[Result]) -> pl.DataFrame:
                 "published_ratio": row.mean / base.row.mean,
                 "ours_mean": result.mean,
                 "ours_std": result.deviation,
+                "ours_median": result.median if np.isfinite(result.median) else None,
                 "ours_ratio": result.ratio(base),
                 "converged": result.converged,
                 "runs": len(result.counts),
                 "mean_is_lower_bound": not result.all_converged,
             }
         )
-    return pl.DataFrame(rows)
+    return pl.DataFrame(rows, schema_overrides={"ours_median": pl.Float64})
