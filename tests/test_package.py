@@ -73,3 +73,15 @@ def test_the_readmes_example_runs():
     for block in blocks:
         environment = {**os.environ, "MPLBACKEND": "agg"}
         subprocess.run([sys.executable, "-W", "error", "-c", block], env=environment, check=True)
+
+
+def test_the_readmes_tables_are_the_checked_in_results():
+    import polars as pl
+
+    readme = (ROOT / "README.md").read_text()
+    for name in ("table1", "table2"):
+        for row in pl.read_csv(ROOT / "docs" / "results" / f"{name}.csv").iter_rows(named=True):
+            line = next(x for x in readme.splitlines() if x.startswith(f"| {row['approach']} |"))
+            assert f"{row['published_mean']:,.0f} ± {row['published_std']:,.0f}" in line
+            assert f"{row['ours_mean']:,.0f} ± {row['ours_std']:,.0f}" in line
+            assert f"{row['converged']} of {row['runs']}" in line

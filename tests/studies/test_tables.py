@@ -64,6 +64,14 @@ WELCH = {
 }
 
 
+def test_a_ratio_to_a_lower_bound_is_an_upper_bound():
+    whole, cut = run([10, 20]), run([10, 20], given_up=[1])
+    rows = table(SECOND, results(SECOND, [whole, cut, cut, whole]))
+    assert rows["ratio_is"].to_list() == ["exact", "at least", "exact", "at most"]
+    rows = table(SECOND, results(SECOND, [cut, cut, whole, whole]))
+    assert rows["ratio_is"].to_list() == ["exact", "unknown", "exact", "exact"]
+
+
 def test_the_papers_pairs_are_separated_as_its_figures_say():
     """All at p < 0.001, but for FOE and TOE of Table I, p = 0.15."""
     for experiment in EXPERIMENTS:

@@ -181,6 +181,15 @@ def welch(a: np.ndarray, b: np.ndarray) -> float:
     return float(test.pvalue)  # pyright: ignore[reportAttributeAccessIssue]
 
 
+def _ratio_is(result: Result, base: Result) -> str:
+    """What the ratio of two means is where one of them, or both, are lower bounds."""
+    if result is base or (result.all_converged and base.all_converged):
+        return "exact"
+    if base.all_converged:
+        return "at least"
+    return "at most" if result.all_converged else "unknown"
+
+
 def table(experiment: Experiment, results: Sequence[Result]) -> pl.DataFrame:
     """A row for each of the paper's, with ours beside it; ratios are to the vanilla row.
 
@@ -203,6 +212,7 @@ def table(experiment: Experiment, results: Sequence[Result]) -> pl.DataFrame:
                 "converged": result.converged,
                 "runs": len(result.counts),
                 "mean_is_lower_bound": not result.all_converged,
+                "ratio_is": _ratio_is(result, base),
             }
         )
     return pl.DataFrame(rows, schema_overrides={"ours_median": pl.Float64})
