@@ -41,7 +41,9 @@ class Config:
     runs: int = _setting(10, "independent runs")
     seed: int = _setting(0, "where the runs' random numbers start")
     episodes: int = _setting(100_000, "episodes after which a run is given up")
-    steps: int = _setting(100_000_000, "environment steps after which a run is given up")
+    steps: int = _setting(
+        100_000_000, "environment steps after which a run is given up (looked at every 20,000)"
+    )
     envs: int = _setting(16, "environments that each run steps together")
     rollout: int = _setting(5, "steps of each environment between two updates")
     episode_limit: int = _setting(500, "steps after which an episode is cut off (truncated)")

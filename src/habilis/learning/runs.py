@@ -25,7 +25,8 @@ class Run:
             "return" (extrinsic, undiscounted), and for each flag of the table the number of
             its steps that led to a state with that flag ("equipped", "attached").
         converged_at: for each run the episodes to convergence, `None` if it did not.
-        networks: the runs' networks at their ends, stacked along the first axis.
+        networks: the runs' networks, stacked along the first axis, each as it was after the
+            stretch of training in which its run ended.
     """
 
     config: Config

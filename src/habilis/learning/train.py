@@ -58,7 +58,7 @@ def train(
     configs = [config] if isinstance(config, Config) else config
     jobs = [_Job.of(i, c) for i, c in enumerate(configs)]
     stop = Event()
-    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+    with ThreadPoolExecutor(_processors()) as pool:
         batches = [pool.submit(_train_batch, b, on_progress, stop) for b in _batches(jobs)]
         try:
             for batch in batches:
@@ -69,6 +69,13 @@ def train(
                 batch.cancel()
     runs = [job.result() for job in jobs]
     return runs[0] if isinstance(config, Config) else runs
+
+
+def _processors() -> int:
+    """How many this process may use; not every system tells, then all there are."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 @dataclass(frozen=True, eq=False)
