@@ -3,7 +3,7 @@
 from importlib import import_module
 from types import ModuleType
 
-_OF_EXTRA = {"learn": ("jax", "jaxlib", "equinox", "optax", "jinja2", "scipy")}
+_OF_EXTRA = {"learn": ("jax", "jaxlib", "equinox", "optax", "jinja2")}
 
 
 class MissingExtraError(ImportError):

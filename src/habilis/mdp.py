@@ -1,24 +1,33 @@
 """A finite Markov decision process as arrays."""
 
 import operator
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Bool, Float32, Int32
 from numpy.typing import ArrayLike
+
+from habilis.probabilities import as_array, is_sparse, row_stochastic
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 _NOWHERE = -2  # a label of no state: cells are 0 and up, what a world lacks is -1
 
 
 @dataclass(frozen=True, eq=False)
 class TabularMDP:
-    """A deterministic finite MDP; state and action are indices.
+    """A finite MDP; state and action are indices.
+
+    Made by `deterministic`, `stochastic`, `from_gymnasium` or, from a world, `tabulate`.
 
     Attributes:
-        next_state: int32[S, A], the state that each action leads to. Terminal states have
-            successors too: the dynamics do not know of episodes.
-        reward: float32[S, A].
+        transitions: where actions lead. Deterministic: int32[S, A], the next state. Stochastic:
+            sparse float64[S * A, S], in row `s * A + a` the probabilities of the next states.
+            Terminal states have successors too: the dynamics do not know of episodes.
+        reward: float32[S, A]; in a stochastic MDP the mean over next states.
         terminal: bool[S], the states whose entry ends an episode.
         factors: by name, an int32[S] label of what the state says of one thing in it. In a
             world: "agent", "tool", "object", each `row * width + column`.
@@ -28,7 +37,7 @@ class TabularMDP:
         actions: the names of the actions.
     """
 
-    next_state: Int32[np.ndarray, "S A"]
+    transitions: "Int32[np.ndarray, 'S A'] | csr_array"
     reward: Float32[np.ndarray, "S A"]
     terminal: Bool[np.ndarray, "S"]
     factors: Mapping[str, Int32[np.ndarray, "S"]] = field(default_factory=dict)
@@ -74,29 +83,129 @@ class TabularMDP:
                 f"next_state[{state}, {action}] is {table[state, action]}; "
                 f"use states 0 to {len(table) - 1}"
             )
-        reward = np.zeros(table.shape) if reward is None else as_array("reward", reward)
-        terminal = (
-            np.zeros(len(table), bool) if terminal is None else as_array("terminal", terminal)
-        )
-        if reward.shape != table.shape:
-            raise ValueError(f"reward has shape {reward.shape}; give {table.shape} as next_state")
-        if reward.dtype.kind not in "biuf" or not (abs(reward) <= np.finfo(np.float32).max).all():
-            raise ValueError("reward has entries that are not finite (in float32); give numbers")
-        if terminal.shape != table.shape[:1]:
-            raise ValueError(f"terminal has shape {terminal.shape}; give ({len(table)},)")
-        if not isinstance(start, int | np.integer) or not 0 <= start < len(table):
-            raise ValueError(f"start is {start}; use a state from 0 to {len(table) - 1}")
         return cls(
             np.array(table, np.int32, order="C"),
-            reward.astype(np.float32),
-            terminal.astype(bool),
+            *_rewards_and_ends(table.shape, reward, terminal, start),
             start=int(start),
         )
+
+    @classmethod
+    def stochastic(
+        cls,
+        P: Any,
+        reward: ArrayLike | None = None,
+        terminal: ArrayLike | None = None,
+        start: int = 0,
+    ) -> "TabularMDP":
+        """An MDP from its transition probabilities.
+
+        Args:
+            P: float[S, A, S], the probability of each next state, or a sequence of A matrices
+                [S, S], dense or scipy.sparse.
+            reward: float[S, A], the mean over next states; zero everywhere if left out.
+            terminal: bool[S]; nowhere if left out.
+            start: the state in which episodes begin.
+
+        Returns:
+            The MDP; a deterministic one if every action in every state has one outcome.
+
+        Raises:
+            ValueError: the arrays do not fit each other or are empty, or a state's
+                probabilities under an action do not sum to one.
+
+        Example:
+            >>> wet = TabularMDP.stochastic([[[0.9, 0.1], [0.1, 0.9]], [[0.0, 1.0], [0.0, 1.0]]])
+            >>> wet.is_stochastic
+            True
+        """
+        from scipy.sparse import csr_array, vstack
+
+        if is_sparse(P):
+            raise ValueError("P is one sparse matrix; give a sequence of them, one an action")
+        if not isinstance(P, Sequence) or not any(is_sparse(matrix) for matrix in P):
+            table = as_array("P", P)
+            if table.ndim != 3 or 0 in table.shape or len(table) != table.shape[2]:
+                raise ValueError(
+                    f"P has shape {table.shape}; give [states, actions, states], "
+                    "or a sequence of scipy.sparse matrices [states, states], one an action"
+                )
+            P = list(np.moveaxis(table, 1, 0))
+        each = [row_stochastic(f"P, action {a}", m, "state {}") for a, m in enumerate(P)]
+        states = each[0].shape[0]
+        for action, matrix in enumerate(each):
+            if matrix.shape != (states, states):
+                raise ValueError(
+                    f"P, action {action} has shape {matrix.shape}; give {(states, states)}"
+                )
+        by_action = np.arange(states * len(each)).reshape(len(each), states)
+        stacked = csr_array(vstack(each, format="csr"))[by_action.T.ravel()]
+        return cls(
+            _next_states(stacked, len(each)),
+            *_rewards_and_ends((states, len(each)), reward, terminal, start),
+            start=int(start),
+        )
+
+    def slippery(self, slip: float) -> "TabularMDP":
+        """This MDP when the chosen action may be replaced (rule 7 of the design).
+
+        Args:
+            slip: the probability that an action drawn uniformly from all of them, the chosen
+                one among them, takes the place of the chosen one.
+
+        Raises:
+            ValueError: slip is no probability.
+
+        Example:
+            >>> TabularMDP.deterministic([[0, 1], [0, 1]]).slippery(0.2).transition(0).toarray()
+            array([[0.9, 0.1],
+                   [0.9, 0.1]])
+        """
+        if isinstance(slip, bool) or not isinstance(slip, int | float) or not 0 <= slip <= 1:
+            raise ValueError(f"slip is {slip!r}; give a probability from 0 to 1")
+        if slip == 0:
+            return self
+        intended = [self.transition(action) for action in range(self.action_count)]
+        any_action = sum(intended[1:], intended[0]) * (slip / self.action_count)
+        mixed = [(1 - slip) * one + any_action for one in intended]
+        reward = (1 - slip) * self.reward + slip * self.reward.mean(axis=1, keepdims=True)
+        slipping = TabularMDP.stochastic(mixed)
+        return replace(self, transitions=slipping.transitions, reward=reward.astype(np.float32))
+
+    @property
+    def is_stochastic(self) -> bool:
+        """Whether some action has more than one possible outcome."""
+        return not isinstance(self.transitions, np.ndarray)
+
+    @property
+    def next_state(self) -> Int32[np.ndarray, "S A"]:
+        """int32[S, A], the state that each action leads to.
+
+        Raises:
+            ValueError: the MDP is stochastic.
+        """
+        if not isinstance(self.transitions, np.ndarray):
+            raise ValueError("this MDP is stochastic: it has no next_state; use transition(action)")
+        return self.transitions
+
+    def transition(self, action: int) -> "csr_array":
+        """The matrix of an action, sparse float64[S, S]: row s has the probabilities from s."""
+        from scipy.sparse import csr_array
+
+        if isinstance(self.transitions, np.ndarray):
+            ends = np.ascontiguousarray(self.transitions[:, action])
+            ones = np.ones(self.states)
+            return csr_array((ones, ends, np.arange(self.states + 1)), (self.states,) * 2)
+        return self.transitions[action :: self.action_count]
 
     @property
     def states(self) -> int:
         """S, how many states there are."""
-        return self.next_state.shape[0]
+        return self.reward.shape[0]
+
+    @property
+    def action_count(self) -> int:
+        """A, how many actions there are."""
+        return self.reward.shape[1]
 
     def factor(self, name: str) -> Int32[np.ndarray, "S"]:
         """The label of one thing in every state.
@@ -148,13 +257,26 @@ class TabularMDP:
         return int(matches[0])
 
 
-def as_array(name: str, values: ArrayLike) -> np.ndarray:
-    """`values` as an array.
+def _rewards_and_ends(
+    shape: tuple[int, int], reward: ArrayLike | None, terminal: ArrayLike | None, start: int
+) -> tuple[Float32[np.ndarray, "S A"], Bool[np.ndarray, "S"]]:
+    """What an MDP has besides its transitions, checked against their shape [S, A]."""
+    states = shape[0]
+    reward = np.zeros(shape) if reward is None else as_array("reward", reward)
+    terminal = np.zeros(states, bool) if terminal is None else as_array("terminal", terminal)
+    if reward.shape != shape:
+        raise ValueError(f"reward has shape {reward.shape}; give {shape}, [states, actions]")
+    if reward.dtype.kind not in "biuf" or not (abs(reward) <= np.finfo(np.float32).max).all():
+        raise ValueError("reward has entries that are not finite (in float32); give numbers")
+    if terminal.shape != (states,):
+        raise ValueError(f"terminal has shape {terminal.shape}; give ({states},)")
+    if not isinstance(start, int | np.integer) or not 0 <= start < states:
+        raise ValueError(f"start is {start}; use a state from 0 to {states - 1}")
+    return reward.astype(np.float32), terminal.astype(bool)
 
-    Raises:
-        ValueError: they are lists of different lengths.
-    """
-    try:
-        return np.asarray(values)
-    except ValueError:
-        raise ValueError(f"{name} is ragged; give rows of one length") from None
+
+def _next_states(stacked: "csr_array", actions: int) -> "Int32[np.ndarray, 'S A'] | csr_array":
+    """Transitions in their simplest form: one next state each where there is but one."""
+    if (np.diff(stacked.indptr) == 1).all():
+        return stacked.indices.astype(np.int32).reshape(-1, actions)
+    return stacked

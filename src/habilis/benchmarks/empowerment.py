@@ -38,7 +38,7 @@ def _beside_enumeration(mdp: TabularMDP, name: str, sensor: str, horizon: int) -
     enumerated = enumerate_sequences(mdp, labels, asked, horizon)
     assert np.array_equal(empowerment(mdp, horizon, sensor, states=asked), enumerated)
     theirs = best_seconds(lambda: enumerate_sequences(mdp, labels, asked, horizon), 1)
-    sequences = mdp.next_state.shape[1] ** horizon
+    sequences = mdp.action_count**horizon
     return [
         Result(f"{horizon}-step {name}", 1e3 * seconds, "ms", f"all {mdp.states:,} states"),
         Result(

@@ -7,7 +7,8 @@ from jaxtyping import Float64, Int32, Int64
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.sensors import Sensor, observations
-from habilis.mdp import TabularMDP, as_array
+from habilis.mdp import TabularMDP
+from habilis.probabilities import as_array
 
 _MOST_PACKED_LABELS = 4096  # above, sets of states cost less than 64 words a state
 
@@ -75,7 +76,7 @@ def _chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int32[np.
     if actions is None:
         return mdp.next_state
     chosen = as_array("actions", actions)
-    count = mdp.next_state.shape[1]
+    count = mdp.action_count
     if chosen.ndim != 1 or not len(chosen) or not np.issubdtype(chosen.dtype, np.integer):
         raise ValueError(
             f"actions has shape {chosen.shape} and type {chosen.dtype}; "

@@ -4,7 +4,8 @@ import numpy as np
 from jaxtyping import Int32
 from numpy.typing import ArrayLike
 
-from habilis.mdp import TabularMDP, as_array
+from habilis.mdp import TabularMDP
+from habilis.probabilities import as_array
 
 Sensor = str | ArrayLike
 """A factor's name, "state" for all of it, or int[S] labels."""

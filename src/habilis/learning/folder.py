@@ -173,7 +173,7 @@ def _load_networks(path: Path, config: Config, world: World) -> ActorCritic:
     task, rows = make_task(mdp)
 
     def one(key):
-        return ActorCritic(rows, task.inputs.shape[1], mdp.next_state.shape[1], config.hidden, key)
+        return ActorCritic(rows, task.inputs.shape[1], mdp.action_count, config.hidden, key)
 
     keys = jax.random.split(jax.random.key(0), config.runs)
     like = jax.eval_shape(jax.vmap(one), keys)

@@ -54,7 +54,7 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
         fresh = ~seen[reached]
         reached, first = reached[fresh], first[fresh]
         seen[reached] = True
-        source, action = np.divmod(first, mdp.next_state.shape[1])
+        source, action = np.divmod(first, mdp.action_count)
         came_from[reached, 0], came_from[reached, 1] = frontier[source], action
         done = reached[mdp.terminal[reached]]
         if len(done):

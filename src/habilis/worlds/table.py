@@ -13,7 +13,7 @@ MAX_STATES = 50_000_000
 _BLOCK = 1 << 14  # placements moved at once: the arrays of one block stay in the cache
 
 
-def tabulate(world: World, max_states: int = MAX_STATES) -> TabularMDP:
+def tabulate(world: World, slip: float = 0.0, *, max_states: int = MAX_STATES) -> TabularMDP:
     """Every placement of agent, tool and object, and what each action does to it.
 
     The states are all placements with the tool in hand, and all with the tool lying at its
@@ -23,6 +23,8 @@ def tabulate(world: World, max_states: int = MAX_STATES) -> TabularMDP:
 
     Args:
         world: the map; its tool decides on eight actions, or four without one.
+        slip: the probability that the chosen action is replaced by one drawn uniformly from
+            all (rule 7); above 0 the table is stochastic.
         max_states: how many placements to accept; each takes about 150 bytes.
 
     Returns:
@@ -30,7 +32,7 @@ def tabulate(world: World, max_states: int = MAX_STATES) -> TabularMDP:
         "equipped" and "attached"; the map's placement as `start`.
 
     Raises:
-        ValueError: the map has more placements.
+        ValueError: the map has more placements, or slip is no probability.
 
     Example:
         >>> from habilis.worlds.world import Cell, World
@@ -72,8 +74,8 @@ def tabulate(world: World, max_states: int = MAX_STATES) -> TabularMDP:
         del cells["tool"]
     start_tool = grid.nowhere if rule is None else _tool_cell(world, grid)
     start = state_of[hand_of[grid.index(world.agent), start_tool], grid.index(world.object)]
-    return TabularMDP(
-        next_state=next_state,
+    mdp = TabularMDP(
+        transitions=next_state,
         reward=np.where(terminal[next_state], 0, -1).astype(np.float32),
         terminal=terminal,
         factors={name: grid.label(at).astype(np.int32) for name, at in cells.items()},
@@ -82,6 +84,7 @@ def tabulate(world: World, max_states: int = MAX_STATES) -> TabularMDP:
         shape=(world.height, world.width),
         actions=actions,
     )
+    return mdp.slippery(slip)
 
 
 def placement(world: World, mdp: TabularMDP, state: int) -> World:

@@ -1,0 +1,76 @@
+"""Matrices of probabilities, checked once: channels, transitions and noisy sensors are such."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:  # SciPy takes as long to import as all the rest: only who needs it pays
+    from scipy.sparse import csr_array
+
+_ROUNDING = 1e-9  # by how much a row of float64 may miss 1
+_COARSE_ROUNDING = 1e-5  # of a narrower type
+
+
+def as_array(name: str, values: ArrayLike) -> np.ndarray:
+    """`values` as an array.
+
+    Raises:
+        ValueError: they are lists of different lengths.
+    """
+    try:
+        return np.asarray(values)
+    except ValueError:
+        raise ValueError(f"{name} is ragged; give rows of one length") from None
+
+
+def is_sparse(values: Any) -> bool:
+    """Whether `values` is one of scipy.sparse's matrices or arrays."""
+    return hasattr(values, "tocsr")
+
+
+def row_stochastic(name: str, values: Any, row: str = "row {}") -> "csr_array":
+    """A matrix whose rows are probability distributions.
+
+    Args:
+        name: what the caller calls it, for messages.
+        values: float[n, m], dense or scipy.sparse.
+        row: what row `{}` is called in messages.
+
+    Returns:
+        float64[n, m] without explicit zeros; each row divided by its sum, which takes away
+        what rounding left.
+
+    Raises:
+        ValueError: it is no matrix of finite numbers, is empty, has a negative entry, or a row
+            that does not sum to one (by more than 1e-9; 1e-5 in types narrower than float64).
+    """
+    from scipy.sparse import csr_array
+
+    if not is_sparse(values):
+        values = as_array(name, values)
+    kind, shape = np.dtype(values.dtype), values.shape
+    if kind.kind not in "biuf" or len(shape) != 2 or 0 in shape:
+        raise ValueError(
+            f"{name} has shape {shape} and type {kind}; give probabilities of shape [rows, columns]"
+        )
+    matrix = csr_array(values, dtype=np.float64, copy=True)
+    matrix.sum_duplicates()
+    bad = np.flatnonzero(~((matrix.data >= 0) & (matrix.data < np.inf)))
+    if len(bad):
+        at = int(np.searchsorted(matrix.indptr, bad[0], side="right")) - 1
+        raise ValueError(
+            f"{name}, {row.format(at)}, column {matrix.indices[bad[0]]} "
+            f"is {matrix.data[bad[0]]:g}; probabilities are from 0 to 1"
+        )
+    sums = np.asarray(matrix.sum(axis=1))
+    narrow = kind.kind == "f" and kind.itemsize < 8
+    off = np.flatnonzero(np.abs(sums - 1) > (_COARSE_ROUNDING if narrow else _ROUNDING))
+    if len(off):
+        raise ValueError(
+            f"{name}, {row.format(off[0])} sums to {sums[off[0]]:.12g}; divide each row by its sum"
+        )
+    matrix.data /= np.repeat(sums, np.diff(matrix.indptr))
+    matrix.eliminate_zeros()
+    matrix.sort_indices()
+    return matrix
