@@ -1,0 +1,76 @@
+"""What a channel and a distribution of its inputs say, and proof of how much more there is.
+
+A channel is a matrix of probabilities P(y|x), one row an input x, dense or sparse. In nats:
+
+    D_x = sum over y of P(y|x) ln(P(y|x) / q(y)),   q(y) = sum over x of p(x) P(y|x),
+    I = sum over x of p(x) D_x   <=   C   <=   max over x of D_x,
+
+with equality on the right exactly where p attains the capacity C (Blahut 1972, theorem 3; Arimoto 1972).
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float64
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+    Channel = Float64[np.ndarray, "n m"] | csr_array
+
+Inputs = Float64[np.ndarray, "n"]
+
+_LEAST = np.finfo(np.float64).tiny  # below, logarithms and quotients lose their digits
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Where the capacity of a channel lies, in nats.
+
+    Attributes:
+        lower: I, what the distribution of inputs attains.
+        upper: the largest D_x, and what rounding may have hidden of it.
+        excess: float64[n], `D_x - I` of every input: above 0 for those worth using more.
+    """
+
+    lower: float
+    upper: float
+    excess: Inputs
+
+    @property
+    def gap(self) -> float:
+        return self.upper - self.lower
+
+
+def neg_entropies(channel: "Channel") -> Inputs:
+    """For every input, the sum of P ln P over outputs."""
+    if isinstance(channel, np.ndarray):
+        return np.einsum("xy,xy->x", channel, np.log(np.maximum(channel, _LEAST)))
+    terms = channel.copy()
+    terms.data = channel.data * np.log(np.maximum(channel.data, _LEAST))
+    return np.asarray(terms.sum(axis=1))
+
+
+def bounds(channel: "Channel", neg_entropy: Inputs, inputs: Inputs) -> Bounds:
+    """The certificate of a distribution, over every input of the channel.
+
+    The outputs' distribution is made from these very inputs and not carried along, so that the
+    bounds hold whatever happened before; and the upper one is raised by the most that rounding
+    can have taken from it.
+
+    Args:
+        channel: float64[n, m].
+        neg_entropy: as `neg_entropies` gives them; they do not change with the inputs.
+        inputs: float64[n], at least 0, with sum 1.
+    """
+    outputs = channel.T @ inputs
+    logs = np.log(np.maximum(outputs, _LEAST))
+    divergence = neg_entropy - channel @ logs
+    lower = float(inputs @ divergence)
+    terms = len(outputs) + len(inputs)
+    rounding = terms * np.finfo(np.float64).eps * (np.abs(logs).max() + np.abs(neg_entropy).max())
+    never = outputs == 0
+    if never.any():  # what only unused inputs bring about: they are worth any price
+        divergence[np.asarray((channel @ never.astype(np.float64))) > 0] = np.inf
+    return Bounds(max(lower, 0.0), float(divergence.max()) + rounding, divergence - lower)
