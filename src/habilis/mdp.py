@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int32
 from numpy.typing import ArrayLike
 
-from habilis.probabilities import as_array, is_sparse, row_stochastic
+from habilis.probabilities import as_array, is_sparse, row_stochastic, shape_of
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -131,7 +131,7 @@ class TabularMDP:
                 )
             P = list(np.moveaxis(table, 1, 0))
         each = [row_stochastic(f"P, action {a}", m, "state {}") for a, m in enumerate(P)]
-        states = each[0].shape[0]
+        states = shape_of(each[0])[0]
         for action, matrix in enumerate(each):
             if matrix.shape != (states, states):
                 raise ValueError(

@@ -29,6 +29,12 @@ def is_sparse(values: Any) -> bool:
     return hasattr(values, "tocsr")
 
 
+def shape_of(matrix: Any) -> tuple[int, int]:
+    """Rows and columns; SciPy's types do not promise that a matrix has both."""
+    rows, columns = matrix.shape
+    return rows, columns
+
+
 def row_stochastic(name: str, values: Any, row: str = "row {}") -> "csr_array":
     """A matrix whose rows are probability distributions.
 

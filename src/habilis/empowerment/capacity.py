@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from habilis.probabilities import row_stochastic
+from habilis.probabilities import row_stochastic, shape_of
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -122,7 +122,7 @@ def merge_rows(
     """
     from scipy.sparse import csr_array
 
-    salt = np.random.default_rng(0).integers(2**63, size=matrix.shape[1], dtype=np.uint64)
+    salt = np.random.default_rng(0).integers(2**63, size=shape_of(matrix)[1], dtype=np.uint64)
     terms = (matrix.data.view(np.uint64) * np.uint64(0x9E3779B97F4A7C15)) ^ (salt[matrix.indices])
     terms = (terms ^ (terms >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)
     ends = np.concatenate([[np.uint64(0)], np.cumsum(terms ^ (terms >> np.uint64(32)))])
@@ -148,7 +148,7 @@ def _over_parts(channel: "csr_array", tolerance: float) -> Float64[np.ndarray, "
     """
     from habilis.empowerment.optimum import best_inputs
 
-    inputs = np.ones(channel.shape[0])
+    inputs = np.ones(shape_of(channel)[0])
     part_of_input, part_of_output, parts = _parts(channel)
     worth = np.zeros(parts)
     by_part = np.argsort(part_of_input, kind="stable")
@@ -170,7 +170,7 @@ def _parts(
     from scipy.sparse import block_array
     from scipy.sparse.csgraph import connected_components
 
-    rows, columns = channel.shape
+    rows, columns = shape_of(channel)
     if (np.diff(channel.indptr) == columns).any():  # an input that can cause everything
         return np.zeros(rows, np.int64), np.zeros(columns, np.int64), 1
     both = block_array([[None, channel], [channel.T, None]], format="csr")
@@ -179,6 +179,7 @@ def _parts(
 
 
 def _dense_if_full(channel: "csr_array") -> "Channel":
-    if channel.nnz >= _DENSE_FROM * channel.shape[0] * channel.shape[1]:
+    rows, columns = shape_of(channel)
+    if channel.nnz >= _DENSE_FROM * rows * columns:
         return channel.toarray()
     return channel

@@ -5,7 +5,8 @@ A channel is a matrix of probabilities P(y|x), one row an input x, dense or spar
     D_x = sum over y of P(y|x) ln(P(y|x) / q(y)),   q(y) = sum over x of p(x) P(y|x),
     I = sum over x of p(x) D_x   <=   C   <=   max over x of D_x,
 
-with equality on the right exactly where p attains the capacity C (Blahut 1972, theorem 3; Arimoto 1972).
+with equality on the right exactly where p attains the capacity C (Blahut 1972, theorem 3; Arimoto
+1972).
 """
 
 from dataclasses import dataclass
@@ -72,5 +73,5 @@ def bounds(channel: "Channel", neg_entropy: Inputs, inputs: Inputs) -> Bounds:
     rounding = terms * np.finfo(np.float64).eps * (np.abs(logs).max() + np.abs(neg_entropy).max())
     never = outputs == 0
     if never.any():  # what only unused inputs bring about: they are worth any price
-        divergence[np.asarray((channel @ never.astype(np.float64))) > 0] = np.inf
+        divergence[(channel @ never.astype(np.float64)) > 0] = np.inf
     return Bounds(max(lower, 0.0), float(divergence.max()) + rounding, divergence - lower)

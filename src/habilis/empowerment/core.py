@@ -1,16 +1,69 @@
 """Empowerment: the capacity of the channel from the next h actions to the sensor."""
 
 from collections.abc import Sequence
+from typing import Literal, TypedDict, Unpack, overload
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
 from numpy.typing import ArrayLike
 
-from habilis.empowerment.sensors import Sensor, observations
+from habilis.empowerment.arguments import (
+    Unit,
+    at_least_one,
+    chosen_actions,
+    chosen_states,
+    per_bit,
+    positive,
+    thread_count,
+    whole_number,
+)
+from habilis.empowerment.capacity import checked_tolerance, warn_of_gap
+from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
-from habilis.probabilities import as_array
 
 _MOST_PACKED_LABELS = 4096  # above, sets of states cost less than 64 words a state
+
+Bits = Float64[np.ndarray, "n"]
+Method = Literal["exact", "sampled"]
+
+
+class Options(TypedDict, total=False):
+    """What else `empowerment` and the measures made of it may be told; see there."""
+
+    unit: Unit
+    tolerance: float
+    method: Method
+    samples: int
+    seed: int
+    threads: int | None
+    max_gib: float
+    max_seconds: float
+
+
+@overload
+def empowerment(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor = ...,
+    actions: Sequence[int] | None = ...,
+    states: ArrayLike | None = ...,
+    *,
+    return_gap: Literal[False] = ...,
+    **options: Unpack[Options],
+) -> Bits: ...
+
+
+@overload
+def empowerment(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor = ...,
+    actions: Sequence[int] | None = ...,
+    states: ArrayLike | None = ...,
+    *,
+    return_gap: Literal[True],
+    **options: Unpack[Options],
+) -> tuple[Bits, Bits]: ...
 
 
 def empowerment(
@@ -19,92 +72,121 @@ def empowerment(
     sensor: Sensor = "state",
     actions: Sequence[int] | None = None,
     states: ArrayLike | None = None,
-) -> Float64[np.ndarray, "n"]:
+    *,
+    return_gap: bool = False,
+    unit: Unit = "bits",
+    tolerance: float = 1e-6,
+    method: Method = "exact",
+    samples: int = 1000,
+    seed: int = 0,
+    threads: int | None = None,
+    max_gib: float = 8.0,
+    max_seconds: float = 3600.0,
+) -> Bits | tuple[Bits, Bits]:
     """The h-step empowerment of states, in bits.
 
-    In a deterministic MDP the channel is noiseless, and its capacity is
+    The capacity of the channel from sequences of h actions, chosen without looking in between
+    (open loop), to what the sensor shows afterwards,
 
-        E_h(s) = log2 |O_h(s)|,
+        E_h(s) = max over p(a_1 ... a_h) of I(A_1 ... A_h; O_h | s)
 
-    the number of observations that some sequence of h actions leads to (Salge, Glackin and
-    Polani 2014; equation 2 of Rasheed, Polani and Catenacci Volpi 2023). Terminal states do
-    not stop the counted sequences.
+    (Klyubin, Polani and Nehaniv 2005; Salge, Glackin and Polani 2014; equation 2 of Rasheed,
+    Polani and Catenacci Volpi 2023). In a deterministic MDP with a sensor of labels the channel
+    is noiseless, and this is log2 of the number of observations that some sequence leads to:
+    exact, without listing sequences. Otherwise sequences that lead to the same belief are
+    merged, and the capacity of the channel that is left is certified. Terminal states do not
+    stop the counted sequences.
 
     Args:
         mdp: the table.
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
-            empowerment), or int[S] labels.
+            empowerment), int[S] labels, or float[S, O] probabilities of observations (also
+            scipy.sparse).
         actions: the action indices that sequences are made of; by default all.
         states: the n states asked about, as indices or as bool[S]; by default all, in order.
+        return_gap: whether to return the certificate too.
+        unit: "bits" or "nats", of values, gaps and tolerance.
+        tolerance: the gap at which to stop, where the channel is noisy.
+        method: "exact", or "sampled": only some sequences are tried, so that the value is a lower
+            bound; its gap then reaches up to what no sequences could exceed.
+        samples: how many sequences of a state "sampled" draws, uniformly and with replacement.
+        seed: of the sampling; a state's sequences do not depend on which others are asked about.
+        threads: how many work side by side; by default as many as there are processors. The
+            values are the same for any number.
+        max_gib: memory in GiB that a noisy channel's beliefs may take.
+        max_seconds: time in seconds that they may take, by an estimate made before the start.
 
     Returns:
-        float64[n], bits.
+        float64[n]; with `return_gap` also float64[n], for each state a proven upper bound on how
+        much larger the true value is (0 where it is a count).
 
     Raises:
         ValueError: a horizon that is not a whole number from 0 up, an unknown sensor, no
-            actions, or an action or state that the MDP does not have.
+            actions, an action or state that the MDP does not have, another argument that is none
+            of its kind, or a computation above max_gib or max_seconds: the message then names the
+            largest horizon that fits.
+
+    Warns:
+        ConvergenceWarning: a gap is above the tolerance (never for "sampled").
 
     Example:
         >>> mdp = TabularMDP.deterministic([[0, 1], [1, 0]])
         >>> empowerment(mdp, horizon=3)
         array([1., 1.])
+        >>> empowerment(mdp.slippery(0.2), horizon=1).round(3)
+        array([0.531, 0.531])
     """
+    horizon = whole_number("horizon", horizon)
+    scale = per_bit(unit)
+    if method not in ("exact", "sampled"):
+        raise ValueError(f"method is {method!r}; use 'exact' or 'sampled'")
+    threads = thread_count(threads)
+    tolerance = checked_tolerance(tolerance) / scale
+    samples, seed = at_least_one("samples", samples), whole_number("seed", seed)
+    max_gib, max_seconds = positive("max_gib", max_gib), positive("max_seconds", max_seconds)
+    used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
+    if not mdp.is_stochastic and not is_noisy(sensor) and method == "exact":
+        bits = _counted(mdp, horizon, sensor, used, None if states is None else starts)
+        gap = np.zeros(len(bits))
+    else:
+        from habilis.empowerment import stochastic
+        from habilis.empowerment.effort import Limits
+        from habilis.empowerment.open_loop import problem_of
+
+        problem = problem_of(mdp, horizon, sensor, used, tolerance)
+        if method == "sampled":
+            bits, gap = stochastic.lower_bounds(problem, starts, samples, seed, threads)
+        else:
+            limits = Limits(max_gib, max_seconds)
+            bits, gap = stochastic.certified_bits(problem, starts, threads, limits)
+            if (gap > tolerance).any():
+                warn_of_gap(float(gap.max()), tolerance)
+    return (bits * scale, gap * scale) if return_gap else bits * scale
+
+
+def _counted(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Int64[np.ndarray, "A"],
+    starts: Int64[np.ndarray, "n"] | None,
+) -> Bits:
+    """The logarithms of how many observations can be brought about, where nothing is noisy."""
     # Numba takes as long to import as everything else together: only who computes pays.
     from habilis.empowerment.counting import count_backward, count_forward
 
-    horizon = whole_number("horizon", horizon)
     labels, label_count = observations(mdp, sensor)
-    table = _chosen_actions(mdp, actions)
-    starts = _chosen_states(mdp, states)
+    table = mdp.next_state
+    if len(actions) < mdp.action_count:
+        table = np.ascontiguousarray(table[:, actions])
     if label_count > _MOST_PACKED_LABELS:
-        return np.log2(count_forward(table, labels, label_count, horizon, starts))
-    if states is None:
+        every = np.arange(mdp.states) if starts is None else starts
+        return np.log2(count_forward(table, labels, label_count, horizon, every))
+    if starts is None:
         return np.log2(count_backward(table, labels, label_count, horizon))
     near, table, place = _neighbourhood(table, starts, horizon)
     return np.log2(count_backward(table, labels[near], label_count, horizon)[place])
-
-
-def whole_number(name: str, value: int) -> int:
-    """`value` if it is an integer from 0 up, else a ValueError that names it."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-        raise ValueError(f"{name} is {value!r}; give a whole number from 0 up")
-    return int(value)
-
-
-def _chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int32[np.ndarray, "S A"]:
-    if actions is None:
-        return mdp.next_state
-    chosen = as_array("actions", actions)
-    count = mdp.action_count
-    if chosen.ndim != 1 or not len(chosen) or not np.issubdtype(chosen.dtype, np.integer):
-        raise ValueError(
-            f"actions has shape {chosen.shape} and type {chosen.dtype}; "
-            "give a list of action indices, at least one"
-        )
-    outside = chosen[(chosen < 0) | (chosen >= count)]
-    if len(outside):
-        raise ValueError(f"actions has {outside[0]}; use indices from 0 to {count - 1}")
-    return np.ascontiguousarray(mdp.next_state[:, np.unique(chosen)])
-
-
-def _chosen_states(mdp: TabularMDP, states: ArrayLike | None) -> Int64[np.ndarray, "n"]:
-    if states is None:
-        return np.arange(mdp.states)
-    chosen = np.atleast_1d(as_array("states", states))
-    if chosen.dtype == bool and chosen.shape == (mdp.states,):
-        return np.flatnonzero(chosen)
-    if chosen.size == 0:
-        return np.empty(0, np.int64)
-    if chosen.ndim != 1 or not np.issubdtype(chosen.dtype, np.integer):
-        raise ValueError(
-            f"states has shape {chosen.shape} and type {chosen.dtype}; "
-            "give state indices, or one bool a state"
-        )
-    outside = chosen[(chosen < 0) | (chosen >= mdp.states)]
-    if len(outside):
-        raise ValueError(f"states has {outside[0]}; use indices from 0 to {mdp.states - 1}")
-    return chosen.astype(np.int64)
 
 
 def _neighbourhood(

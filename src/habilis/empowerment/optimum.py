@@ -12,6 +12,7 @@ from jaxtyping import Float64
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from habilis.empowerment.channels import Bounds, Inputs, bounds, neg_entropies
+from habilis.probabilities import shape_of
 
 if TYPE_CHECKING:
     from habilis.empowerment.channels import Channel
@@ -33,7 +34,7 @@ def best_inputs(channel: "Channel", tolerance: float) -> tuple[Inputs, Bounds]:
     Returns:
         float64[n] and the certificate over all n inputs; the best found if its gap is larger.
     """
-    rows, columns = channel.shape
+    rows, columns = shape_of(channel)
     entropy = neg_entropies(channel)
     inputs, chosen = _first_inputs(channel, entropy)
     best, certificate = inputs, bounds(channel, entropy, inputs)
@@ -65,7 +66,7 @@ def best_inputs(channel: "Channel", tolerance: float) -> tuple[Inputs, Bounds]:
 
 def _first_inputs(channel: "Channel", entropy: Inputs) -> tuple[Inputs, np.ndarray]:
     """A distribution not far off, and the inputs to start with."""
-    rows, columns = channel.shape
+    rows, columns = shape_of(channel)
     inputs = np.full(rows, 1 / rows)
     if rows <= columns:
         return inputs, np.arange(rows)
@@ -136,9 +137,7 @@ def _solver(P: Float64[np.ndarray, "n m"], q: np.ndarray, theta: np.ndarray):
     matrix = P.T @ weighted
     matrix[np.diag_indices(m)] += q
     factor = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
-    return lambda b: (
-        b / theta - weighted @ cho_solve(factor, P.T @ (b / theta), check_finite=False)
-    )
+    return lambda b: b / theta - weighted @ cho_solve(factor, P.T @ (b / theta), check_finite=False)
 
 
 def _reach(v: np.ndarray, dv: np.ndarray) -> float:

@@ -1,14 +1,54 @@
-"""Sensors: what the agent perceives of a state, as one label a state."""
+"""Sensors: what the agent perceives of a state, as one label or with probabilities."""
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Int32
 from numpy.typing import ArrayLike
 
 from habilis.mdp import TabularMDP
-from habilis.probabilities import as_array
+from habilis.probabilities import as_array, is_sparse, row_stochastic, shape_of
 
-Sensor = str | ArrayLike
-"""A factor's name, "state" for all of it, or int[S] labels."""
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+Sensor = str | ArrayLike | Any
+"""A factor's name, "state" for all of it, int[S] labels, or float[S, O] probabilities."""
+
+
+def is_noisy(sensor: Sensor) -> bool:
+    """Whether a sensor is given as probabilities of observations."""
+    return is_sparse(sensor) or (
+        not isinstance(sensor, str) and as_array("sensor", sensor).ndim == 2
+    )
+
+
+def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
+    """What is perceived in each state, as probabilities.
+
+    Args:
+        mdp: the table.
+        sensor: as in `observations`, or float[S, O], dense or scipy.sparse, the probability of
+            each observation in each state.
+
+    Returns:
+        sparse float64[S, O].
+
+    Raises:
+        ValueError: as in `observations`, or rows that are not one distribution a state.
+    """
+    from scipy.sparse import csr_array
+
+    if not is_noisy(sensor):
+        labels, count = observations(mdp, sensor)
+        ones = np.ones(mdp.states)
+        return csr_array((ones, labels, np.arange(mdp.states + 1)), (mdp.states, count))
+    matrix = row_stochastic("sensor", sensor, "state {}")
+    if shape_of(matrix)[0] != mdp.states:
+        raise ValueError(
+            f"sensor has {shape_of(matrix)[0]} rows; give one for each of the {mdp.states} states"
+        )
+    return matrix
 
 
 def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"], int]:

@@ -1,6 +1,5 @@
 """Training: from configurations to runs."""
 
-import os
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -17,6 +16,7 @@ from habilis.learning.a2c import Settings, Shape, Task, advance, start_lanes
 from habilis.learning.config import Config
 from habilis.learning.runs import Progress, Record, Run, episode_table, progress
 from habilis.mdp import TabularMDP
+from habilis.processors import processors
 from habilis.worlds.plans import solve
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world
@@ -58,7 +58,7 @@ def train(
     configs = [config] if isinstance(config, Config) else config
     jobs = [_Job.of(i, c) for i, c in enumerate(configs)]
     stop = Event()
-    with ThreadPoolExecutor(_processors()) as pool:
+    with ThreadPoolExecutor(processors()) as pool:
         batches = [pool.submit(_train_batch, b, on_progress, stop) for b in _batches(jobs)]
         try:
             for batch in batches:
@@ -69,13 +69,6 @@ def train(
                 batch.cancel()
     runs = [job.result() for job in jobs]
     return runs[0] if isinstance(config, Config) else runs
-
-
-def _processors() -> int:
-    """How many this process may use; not every system tells, then all there are."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,86 @@
+"""What may be asked: every argument of a measure, checked in one place."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Int64
+from numpy.typing import ArrayLike
+
+from habilis.mdp import TabularMDP
+from habilis.probabilities import as_array
+from habilis.processors import processors
+
+Unit = Literal["bits", "nats"]
+
+
+def whole_number(name: str, value: int) -> int:
+    """`value` if it is an integer from 0 up, else a ValueError that names it."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
+        raise ValueError(f"{name} is {value!r}; give a whole number from 0 up")
+    return int(value)
+
+
+def at_least_one(name: str, value: int) -> int:
+    """`value` if it is an integer from 1 up, else a ValueError that names it."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+        raise ValueError(f"{name} is {value!r}; give a whole number from 1 up")
+    return int(value)
+
+
+def positive(name: str, value: float) -> float:
+    """`value` if it is a number above 0 (infinity is one), else a ValueError that names it."""
+    number = not isinstance(value, bool) and isinstance(value, int | float | np.number)
+    if not number or not value > 0:
+        raise ValueError(f"{name} is {value!r}; give a number above 0")
+    return float(value)
+
+
+def per_bit(unit: Unit) -> float:
+    """How many of a unit are one bit: 1 for "bits", ln 2 for "nats"."""
+    sizes = {"bits": 1.0, "nats": float(np.log(2))}
+    if unit not in sizes:
+        raise ValueError(f"unit is {unit!r}; use 'bits' or 'nats'")
+    return sizes[unit]
+
+
+def thread_count(threads: int | None) -> int:
+    """How many threads to use: as many as there are processors if nobody says."""
+    return processors() if threads is None else at_least_one("threads", threads)
+
+
+def chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int64[np.ndarray, "A"]:
+    """The action indices asked for, each once, in order; all if nobody says."""
+    if actions is None:
+        return np.arange(mdp.action_count)
+    chosen = as_array("actions", actions)
+    count = mdp.action_count
+    if chosen.ndim != 1 or not len(chosen) or not np.issubdtype(chosen.dtype, np.integer):
+        raise ValueError(
+            f"actions has shape {chosen.shape} and type {chosen.dtype}; "
+            "give a list of action indices, at least one"
+        )
+    outside = chosen[(chosen < 0) | (chosen >= count)]
+    if len(outside):
+        raise ValueError(f"actions has {outside[0]}; use indices from 0 to {count - 1}")
+    return np.unique(chosen).astype(np.int64)
+
+
+def chosen_states(mdp: TabularMDP, states: ArrayLike | None) -> Int64[np.ndarray, "n"]:
+    """The state indices asked about, in order and as often as asked; all if nobody says."""
+    if states is None:
+        return np.arange(mdp.states)
+    chosen = np.atleast_1d(as_array("states", states))
+    if chosen.dtype == bool and chosen.shape == (mdp.states,):
+        return np.flatnonzero(chosen)
+    if chosen.size == 0:
+        return np.empty(0, np.int64)
+    if chosen.ndim != 1 or not np.issubdtype(chosen.dtype, np.integer):
+        raise ValueError(
+            f"states has shape {chosen.shape} and type {chosen.dtype}; "
+            "give state indices, or one bool a state"
+        )
+    outside = chosen[(chosen < 0) | (chosen >= mdp.states)]
+    if len(outside):
+        raise ValueError(f"states has {outside[0]}; use indices from 0 to {mdp.states - 1}")
+    return chosen.astype(np.int64)

@@ -1,0 +1,314 @@
+"""Where sequences of actions may lead when outcomes are uncertain, without listing all of them.
+
+A belief is a distribution over next states. Sequences that lead to the same belief are one from
+then on, since nothing that follows can tell them apart; so beliefs are carried forward
+action by action and merged at every step.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float64, Int32, Int64
+from numba import njit
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+SAME = 1e-14  # beliefs that differ by no more in any entry are one: what rounding can do
+
+_GRAIN = float(2**30)  # coarse, so that rounding seldom puts the same beliefs in two places
+_OFFSET = 0.318309886  # keeps round numbers away from the grains' edges
+
+
+class TooManyBeliefsError(Exception):
+    """The beliefs of one state outgrew what they may; `horizon` is the last that fitted."""
+
+    def __init__(self, horizon: int):
+        super().__init__(f"the beliefs of {horizon + 1} actions are too many")
+        self.horizon = horizon
+
+
+@dataclass(frozen=True)
+class Beliefs:
+    """What h actions can make an agent believe.
+
+    Attributes:
+        states: int32[N], the states that can be reached at all.
+        matrix: float64[K, N], a distribution over them each row; no two rows alike. Sparse where
+            every row is certain of one state.
+        steps: for each of the h actions (parent int32[K_t], action int32[K_t]): from which row
+            of the step before, and by what, a row came about; one way of those merged.
+    """
+
+    states: Int32[np.ndarray, "N"]
+    matrix: "Float64[np.ndarray, 'K N'] | csr_array"
+    steps: tuple[tuple[Int32[np.ndarray, "k"], Int32[np.ndarray, "k"]], ...]
+
+    def sequences(self, rows: Int64[np.ndarray, "n"]) -> Int32[np.ndarray, "n h"]:
+        """A sequence of actions that leads to each of some rows."""
+        actions = np.empty((len(rows), len(self.steps)), np.int32)
+        for t in reversed(range(len(self.steps))):
+            parent, action = self.steps[t]
+            actions[:, t] = action[rows]
+            rows = parent[rows].astype(np.int64)
+        return actions
+
+
+@dataclass(frozen=True)
+class Successors:
+    """The transitions under the chosen actions, as flat arrays for the kernels.
+
+    Row `s * A + a` of a sparse matrix: `state[first[row]:first[row + 1]]` are the next states.
+    """
+
+    first: Int64[np.ndarray, "rows_and_one"]
+    state: Int32[np.ndarray, "entries"]
+    probability: Float64[np.ndarray, "entries"]
+    actions: int
+
+    @property
+    def certain(self) -> bool:
+        """Whether each action has one outcome."""
+        return len(self.state) == len(self.first) - 1
+
+
+def beliefs_after(
+    successors: Successors, start: int, horizon: int, most_entries: int = 2**62
+) -> Beliefs:
+    """All distinct beliefs that sequences of h actions from a state lead to.
+
+    Raises:
+        TooManyBeliefsError: at some step they are more than `most_entries` numbers.
+    """
+    if successors.certain:
+        return _ends(successors, start, horizon)
+    states, local = _around(successors, start, horizon)
+    most = max(most_entries // len(states), 1)
+    matrix = np.zeros((1, len(states)))
+    matrix[0, 0] = 1.0
+    steps = []
+    for t in range(horizon):
+        matrix, parent, action = _advance(
+            matrix, local.first, local.state, local.probability, local.actions, most
+        )
+        if len(matrix) > most:
+            raise TooManyBeliefsError(t)
+        steps.append((parent, action))
+    return Beliefs(states, matrix, tuple(steps))
+
+
+def _ends(successors: Successors, start: int, horizon: int) -> Beliefs:
+    """`beliefs_after` where nothing is uncertain: a belief is a state."""
+    from scipy.sparse import csr_array, eye_array
+
+    next_state = successors.state.reshape(-1, successors.actions)
+    here, steps = np.array([start], np.int32), []
+    for _ in range(horizon):
+        here, index = np.unique(next_state[here], return_index=True)
+        parent, action = np.divmod(index.astype(np.int32), successors.actions)
+        steps.append((parent, action))
+    return Beliefs(here, csr_array(eye_array(len(here))), tuple(steps))
+
+
+def followed(
+    successors: Successors, start: int, sequences: Int32[np.ndarray, "n h"]
+) -> tuple[Int32[np.ndarray, "N"], Float64[np.ndarray, "n N"]]:
+    """The beliefs that given sequences of actions lead to, and over which states."""
+    states, local = _around(successors, start, sequences.shape[1])
+    matrix = _follow(sequences, local.first, local.state, local.probability, local.actions)
+    return states, matrix
+
+
+def states_within(
+    successors: Successors, start: int, horizon: int
+) -> Float64[np.ndarray, "horizons"]:
+    """How many states 0, 1, ... h actions can touch, float64[h + 1]."""
+    return _count_within(
+        successors.first, successors.state, successors.actions, start, horizon
+    ).astype(np.float64)
+
+
+def distinct(
+    rows: Float64[np.ndarray, "n m"],
+) -> tuple[Float64[np.ndarray, "k m"], Int32[np.ndarray, "k"]]:
+    """The rows that differ, each once, and where they were first."""
+    return _gather(rows)
+
+
+def _around(
+    successors: Successors, start: int, horizon: int
+) -> tuple[Int32[np.ndarray, "N"], Successors]:
+    """The states within h actions of a start (the start first), and the transitions among them."""
+    states, first, state, probability = _neighbourhood(
+        successors.first,
+        successors.state,
+        successors.probability,
+        successors.actions,
+        start,
+        horizon,
+    )
+    return states, Successors(first, state, probability, successors.actions)
+
+
+@njit(cache=True, nogil=True)
+def _neighbourhood(first, state, probability, actions, start, horizon):
+    place = {np.int32(start): np.int32(0)}
+    near = [np.int32(start)]
+    begin = 0
+    entries = 0
+    inner = 0
+    for _ in range(horizon):
+        end = len(near)
+        for i in range(begin, end):
+            for k in range(first[near[i] * actions], first[(near[i] + 1) * actions]):
+                entries += 1
+                if state[k] not in place:
+                    place[state[k]] = np.int32(len(near))
+                    near.append(state[k])
+        begin = end
+        inner = end
+    # States on the rim are never left within the horizon: they need no successors.
+    local_first = np.zeros(len(near) * actions + 1, np.int64)
+    local_state = np.empty(entries, np.int32)
+    local_probability = np.empty(entries)
+    filled = 0
+    for i in range(len(near)):
+        for a in range(actions):
+            if i < inner:
+                row = near[i] * actions + a
+                for k in range(first[row], first[row + 1]):
+                    local_state[filled] = place[state[k]]
+                    local_probability[filled] = probability[k]
+                    filled += 1
+            local_first[i * actions + a + 1] = filled
+    return np.array(near, np.int32), local_first, local_state, local_probability
+
+
+@njit(cache=True, nogil=True)
+def _count_within(first, state, actions, start, horizon):
+    near = [np.int32(start)]
+    met = {np.int32(start): True}
+    counts = np.ones(horizon + 1, np.int64)
+    begin = 0
+    for t in range(horizon):
+        end = len(near)
+        for i in range(begin, end):
+            for k in range(first[near[i] * actions], first[(near[i] + 1) * actions]):
+                if state[k] not in met:
+                    met[state[k]] = True
+                    near.append(state[k])
+        begin = end
+        counts[t + 1] = len(near)
+    return counts
+
+
+@njit(cache=True, nogil=True)
+def _key(row):
+    key = np.uint64(0x9E3779B97F4A7C15)
+    for value in row:
+        key ^= np.uint64(np.int64(value * _GRAIN + _OFFSET))
+        key *= np.uint64(0x100000001B3)
+        key ^= key >> np.uint64(29)
+    return key
+
+
+@njit(cache=True, nogil=True)
+def _find(row, key, slots, keys, rows, count):
+    """The slot of a row like this one, or the free slot where it belongs."""
+    mask = np.uint64(len(slots) - 1)
+    slot = key & mask
+    while slots[slot] >= 0:
+        known = slots[slot]
+        if keys[known] == key:
+            same = True
+            for i in range(len(row)):
+                if abs(row[i] - rows[known, i]) > SAME:
+                    same = False
+                    break
+            if same:
+                return slot
+        slot = (slot + np.uint64(1)) & mask
+    return slot
+
+
+@njit(cache=True, nogil=True)
+def _advance(matrix, first, state, probability, actions, most):
+    """One action more: the distinct beliefs, and from which row and by what they came about."""
+    count, width = matrix.shape
+    size = 16
+    while size < 2 * count * actions:
+        size *= 2
+    slots = np.full(size, -1, np.int32)
+    room = 2 * count + 16
+    rows = np.empty((room, width))
+    keys = np.empty(count * actions, np.uint64)
+    parent = np.empty(count * actions, np.int32)
+    action = np.empty(count * actions, np.int32)
+    found = 0
+    row = np.empty(width)
+    for i in range(count):
+        for a in range(actions):
+            row[:] = 0.0
+            for s in range(width):
+                weight = matrix[i, s]
+                if weight != 0.0:
+                    for k in range(first[s * actions + a], first[s * actions + a + 1]):
+                        row[state[k]] += weight * probability[k]
+            key = _key(row)
+            slot = _find(row, key, slots, keys, rows, found)
+            if slots[slot] < 0:
+                if found == room:
+                    room *= 2
+                    wider = np.empty((room, width))
+                    wider[:found] = rows
+                    rows = wider
+                slots[slot] = found
+                rows[found] = row
+                keys[found] = key
+                parent[found] = i
+                action[found] = a
+                found += 1
+                if found > most:
+                    return rows[:found], parent[:found], action[:found]
+    return rows[:found].copy(), parent[:found].copy(), action[:found].copy()
+
+
+@njit(cache=True, nogil=True)
+def _gather(matrix):
+    count, width = matrix.shape
+    size = 16
+    while size < 2 * count:
+        size *= 2
+    slots = np.full(size, -1, np.int32)
+    rows = np.empty((count, width))
+    keys = np.empty(count, np.uint64)
+    first = np.empty(count, np.int32)
+    found = 0
+    for i in range(count):
+        key = _key(matrix[i])
+        slot = _find(matrix[i], key, slots, keys, rows, found)
+        if slots[slot] < 0:
+            slots[slot] = found
+            rows[found] = matrix[i]
+            keys[found] = key
+            first[found] = i
+            found += 1
+    return rows[:found].copy(), first[:found].copy()
+
+
+@njit(cache=True, nogil=True)
+def _follow(sequences, first, state, probability, actions):
+    width = (len(first) - 1) // actions
+    rows = np.zeros((len(sequences), width))
+    before = np.empty(width)
+    for i in range(len(sequences)):
+        rows[i, 0] = 1.0
+        for a in sequences[i]:
+            before[:] = rows[i]
+            rows[i] = 0.0
+            for s in range(width):
+                if before[s] != 0.0:
+                    for k in range(first[s * actions + a], first[s * actions + a + 1]):
+                        rows[i, state[k]] += before[s] * probability[k]
+    return rows

@@ -1,0 +1,61 @@
+"""The empowerment of many states where outcomes or the sensor are uncertain."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from habilis.empowerment.beliefs import TooManyBeliefsError
+from habilis.empowerment.effort import Limits, check_effort, most_entries, too_much
+from habilis.empowerment.open_loop import Answer, Problem, exact, sampled
+
+Bits = Float64[np.ndarray, "n"]
+
+
+def certified_bits(
+    problem: Problem, starts: Int64[np.ndarray, "n"], threads: int, limits: Limits
+) -> tuple[Bits, Bits]:
+    """Empowerment and gap of states, float64[n] bits each.
+
+    Raises:
+        ValueError: it would take more than the limits; see `effort.check_effort`.
+    """
+    check_effort(problem, starts, threads, limits)
+    at_once = min(threads, len(starts)) or 1
+    problem = replace(problem, most_entries=most_entries(limits, at_once))
+
+    def answer(start: int) -> Answer:
+        try:
+            return exact(problem, start)[1]
+        except TooManyBeliefsError as error:
+            raise too_much(problem.horizon, error.horizon, limits) from None
+
+    return _for_all(answer, starts, threads)
+
+
+def lower_bounds(
+    problem: Problem, starts: Int64[np.ndarray, "n"], samples: int, seed: int, threads: int
+) -> tuple[Bits, Bits]:
+    """Bits that some sequences attain, and how much more there could be at the very most."""
+    return _for_all(lambda start: sampled(problem, start, samples, seed), starts, threads)
+
+
+def _for_all(
+    answer: Callable[[int], Answer], starts: Int64[np.ndarray, "n"], threads: int
+) -> tuple[Bits, Bits]:
+    """Bits and gaps; a state's are the same whatever thread works on it."""
+    asked, place = np.unique(starts, return_inverse=True)
+
+    def both(start: int) -> tuple[float, float]:
+        found = answer(start)
+        return found.bits, found.gap
+
+    if threads == 1 or len(asked) < 2:
+        pairs = [both(start) for start in asked.tolist()]
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            pairs = list(pool.map(both, asked.tolist()))
+    values = np.array(pairs).reshape(-1, 2)
+    return values[place, 0], values[place, 1]
