@@ -12,6 +12,7 @@ The learning half (`train`, `Config`, `reproduce`) is imported on first use and 
 from typing import TYPE_CHECKING, Any
 
 from habilis.empowerment import empowerment
+from habilis.empowerment.capacity import Capacity, ConvergenceWarning, capacity
 from habilis.mdp import TabularMDP
 from habilis.worlds.plans import Plan, solve
 from habilis.worlds.table import tabulate
@@ -25,9 +26,12 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [  # what needs no extra: so `from habilis import *` works without one
+    "Capacity",
+    "ConvergenceWarning",
     "Plan",
     "TabularMDP",
     "World",
+    "capacity",
     "empowerment",
     "load_world",
     "solve",

@@ -362,7 +362,10 @@ def test_a_sensor_that_the_table_does_not_have_is_refused_with_those_it_has():
     "labels", [[0, 1], [0, 1, 2, 3], [[0, 1, 2]], 0, [], [0.0, 1.0, 2.0], ["a", "b", "c"]]
 )
 def test_a_sensor_that_is_not_one_integer_a_state_is_refused(labels: Any):
-    with pytest.raises(ValueError, match="give one integer label for each of the 3 states"):
+    with pytest.raises(
+        ValueError,
+        match=r"give one integer label(, or a row of probabilities,)? for each of the 3 states",
+    ):
         empowerment(SWITCH, 1, labels)
 
 

@@ -1,4 +1,4 @@
-"""Exact empowerment of finite MDPs: sensors, counting, and measures made of them."""
+"""Exact empowerment of finite MDPs: sensors, channels, counting, and measures made of them."""
 
 from habilis.empowerment.core import empowerment
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Inputs = Float64[np.ndarray, "n"]
 
-_LEAST = np.finfo(np.float64).tiny  # below, logarithms and quotients lose their digits
+LEAST = np.finfo(np.float64).tiny  # below, logarithms and quotients lose their digits
 
 
 @dataclass(frozen=True)
@@ -41,15 +41,15 @@ class Bounds:
 
     @property
     def gap(self) -> float:
-        return self.upper - self.lower
+        return max(self.upper - self.lower, 0.0)
 
 
 def neg_entropies(channel: "Channel") -> Inputs:
     """For every input, the sum of P ln P over outputs."""
     if isinstance(channel, np.ndarray):
-        return np.einsum("xy,xy->x", channel, np.log(np.maximum(channel, _LEAST)))
+        return np.einsum("xy,xy->x", channel, np.log(np.maximum(channel, LEAST)))
     terms = channel.copy()
-    terms.data = channel.data * np.log(np.maximum(channel.data, _LEAST))
+    terms.data = channel.data * np.log(np.maximum(channel.data, LEAST))
     return np.asarray(terms.sum(axis=1))
 
 
@@ -65,13 +65,12 @@ def bounds(channel: "Channel", neg_entropy: Inputs, inputs: Inputs) -> Bounds:
         neg_entropy: as `neg_entropies` gives them; they do not change with the inputs.
         inputs: float64[n], at least 0, with sum 1.
     """
-    outputs = channel.T @ inputs
-    logs = np.log(np.maximum(outputs, _LEAST))
+    # Any distribution of outputs gives an upper bound, so also this one, which keeps off zero.
+    outputs = np.maximum(channel.T @ inputs, LEAST)
+    logs = np.log(outputs)
     divergence = neg_entropy - channel @ logs
-    lower = float(inputs @ divergence)
+    lower = max(float(inputs @ divergence), 0.0)
     terms = len(outputs) + len(inputs)
-    rounding = terms * np.finfo(np.float64).eps * (np.abs(logs).max() + np.abs(neg_entropy).max())
-    never = outputs == 0
-    if never.any():  # what only unused inputs bring about: they are worth any price
-        divergence[(channel @ never.astype(np.float64)) > 0] = np.inf
-    return Bounds(max(lower, 0.0), float(divergence.max()) + rounding, divergence - lower)
+    largest = 1 + np.abs(logs).max() + np.abs(neg_entropy).max()
+    rounding = terms * np.finfo(np.float64).eps * largest
+    return Bounds(lower, float(divergence.max()) + rounding, divergence - lower)

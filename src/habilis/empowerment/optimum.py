@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from habilis.empowerment.channels import Bounds, Inputs, bounds, neg_entropies
+from habilis.empowerment.channels import LEAST, Bounds, Inputs, bounds, neg_entropies
 from habilis.probabilities import shape_of
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def _first_inputs(channel: "Channel", entropy: Inputs) -> tuple[Inputs, np.ndarr
     if rows <= columns:
         return inputs, np.arange(rows)
     for _ in range(_WARM_UP):
-        divergence = entropy - channel @ np.log(channel.T @ inputs)
+        divergence = entropy - channel @ np.log(np.maximum(channel.T @ inputs, LEAST))
         # Twice the step of Blahut and Arimoto: it still converges, in half the time.
         inputs *= np.exp(2 * (divergence - divergence.max()))
         inputs /= inputs.sum()
@@ -89,7 +89,7 @@ def _newton(
     n, _ = P.shape
     p = np.maximum(inputs, 1e-3 / n)
     p /= p.sum()
-    q = p @ P
+    q = np.maximum(p @ P, LEAST)
     divergence = entropy - P @ np.log(q)
     gap = max(divergence.max() - p @ divergence, tolerance)
     c = divergence.max() + gap / 2
@@ -116,7 +116,7 @@ def _newton(
         if not np.isfinite(length) or not np.isfinite(dc):
             break
         p, s, c = p + length * dp, s + length * ds, c + length * dc
-        q = p @ P
+        q = np.maximum(p @ P, LEAST)
         divergence = entropy - P @ np.log(q)
         if divergence.max() - p @ divergence / p.sum() <= tolerance:
             break

@@ -43,12 +43,13 @@ def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
         labels, count = observations(mdp, sensor)
         ones = np.ones(mdp.states)
         return csr_array((ones, labels, np.arange(mdp.states + 1)), (mdp.states, count))
-    matrix = row_stochastic("sensor", sensor, "state {}")
-    if shape_of(matrix)[0] != mdp.states:
+    given = sensor if is_sparse(sensor) else as_array("sensor", sensor)
+    if shape_of(given)[0] != mdp.states:
         raise ValueError(
-            f"sensor has {shape_of(matrix)[0]} rows; give one for each of the {mdp.states} states"
+            f"sensor has {shape_of(given)[0]} rows; give one integer label, or a row of "
+            f"probabilities, for each of the {mdp.states} states"
         )
-    return matrix
+    return row_stochastic("sensor", given, "state {}")
 
 
 def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"], int]:
