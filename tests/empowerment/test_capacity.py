@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import LinearConstraint, minimize
 from scipy.sparse import coo_array, csr_array, csr_matrix, eye_array
+from slow_channels import blahut_arimoto, divergences
 
 import habilis as hb
 from habilis.empowerment import capacity as module
@@ -18,13 +19,6 @@ from habilis.empowerment.capacity import Capacity, ConvergenceWarning
 
 def entropy(*probabilities: float) -> float:
     return -sum(p * np.log2(p) for p in probabilities if p > 0)
-
-
-def divergences(P: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """D(P_x || q) of every input, in bits, term by term as it is written."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        terms = np.where(P > 0, P * (np.log2(P) - np.log2(q)), 0)
-    return terms.sum(axis=1)
 
 
 def holds(found: Capacity, P: np.ndarray, tolerance: float = 1e-6) -> None:
@@ -37,18 +31,6 @@ def holds(found: Capacity, P: np.ndarray, tolerance: float = 1e-6) -> None:
     assert found.bits == pytest.approx(p[p > 0] @ each[p > 0], abs=1e-12)
     assert found.gap >= each.max() - found.bits - 1e-15
     assert 0 <= found.gap <= tolerance
-
-
-def blahut_arimoto(P: np.ndarray, gap: float = 1e-7) -> float:
-    """The iteration of 1972, as slow as it is."""
-    p = np.full(len(P), 1 / len(P))
-    for _ in range(2_000_000):
-        each = divergences(P, p @ P)
-        if each.max() - p @ each <= gap:
-            return float(p @ each)
-        p = p * np.exp2(each)
-        p /= p.sum()
-    raise AssertionError("no convergence")
 
 
 @st.composite

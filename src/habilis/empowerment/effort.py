@@ -105,9 +105,9 @@ def _probe(
     counts, took, solving = _tried(problem, start, reached)
     known = len(counts) - 1
     factor = counts[-1] / counts[-2] if known else 1.0
-    with np.errstate(over="ignore"):
-        later = counts[-1] * factor ** np.arange(1.0, horizon - known + 1)
-    beliefs = np.concatenate([counts, later])
+    # Past this many nothing fits anyway, and products of it are still numbers.
+    steps = np.minimum(np.arange(1.0, horizon - known + 1), 200 / np.log10(max(factor, 1.01)))
+    beliefs = np.concatenate([counts, counts[-1] * factor**steps])
     entries = beliefs * reached
     memory = _BYTES * entries + 20 * beliefs * successors.actions
     worked = np.cumsum(entries) * successors.actions

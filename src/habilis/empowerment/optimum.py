@@ -94,6 +94,7 @@ def _newton(
     gap = max(divergence.max() - p @ divergence, tolerance)
     c = divergence.max() + gap / 2
     s = c - divergence
+    best, best_gap = p, np.inf
     for _ in range(_STEPS):
         try:
             solve = _solver(P, q, s / p)
@@ -113,14 +114,17 @@ def _newton(
         dp = x - dc * ones
         ds = (target - s * dp) / p - s
         length = min(1.0, _SHARE * min(_reach(p, dp), _reach(s, ds)))
-        if not np.isfinite(length) or not np.isfinite(dc):
+        if not np.isfinite(length * dc):
             break
         p, s, c = p + length * dp, s + length * ds, c + length * dc
         q = np.maximum(p @ P, LEAST)
         divergence = entropy - P @ np.log(q)
-        if divergence.max() - p @ divergence / p.sum() <= tolerance:
+        gap = divergence.max() - p @ divergence / p.sum()
+        if gap < best_gap:
+            best, best_gap = p, gap
+        if gap <= tolerance:
             break
-    return p / p.sum()
+    return best / best.sum()
 
 
 def _solver(P: Float64[np.ndarray, "n m"], q: np.ndarray, theta: np.ndarray):
