@@ -1,23 +1,19 @@
 """The command line: one thin function a verb."""
 
-import argparse
 import json
 import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
 import habilis
+from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, parser
 from habilis.extras import MissingExtraError, import_from
 from habilis.worlds.rules import ACTIONS
-from habilis.worlds.world import NO_TOOL, Cell, load_world, world_names
-
-Args = argparse.Namespace
-
-_ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
+from habilis.worlds.world import NO_TOOL, load_world, world_names
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -28,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         not hold), 2 bad input.
     """
     try:
-        args = _parser().parse_args(arguments)
+        args = parser(_VERBS).parse_args(arguments)
         status = args.verb(args)
         sys.stdout.flush()
         return status
@@ -96,26 +92,50 @@ def solve(args: Args) -> int:
 def empowerment(args: Args) -> int:
     from habilis.empowerment.tables import save_table, state_table
 
-    mdp = habilis.tabulate(load_world(args.world, args.tool))
-    bits = habilis.empowerment(mdp, args.horizon, args.sensor, _actions(args.actions))
+    mdp = _table(args)
+    options: Any = {name: getattr(args, name) for name in OPTIONS}
+    values, gap = habilis.empowerment(
+        mdp, args.horizon, args.sensor, _actions(args.actions), return_gap=True, **options
+    )
     if args.out is not None:
-        _save(args.out, lambda path: save_table(state_table(mdp, bits), path))
+        noise = gap if gap.any() else None
+        _save(args.out, lambda path: save_table(state_table(mdp, values, noise, args.unit), path))
     summary = {
-        "states": len(bits),
-        "mean": float(bits.mean()),
-        "min": float(bits.min()),
-        "max": float(bits.max()),
+        "states": len(values),
+        "mean": float(values.mean()),
+        "min": float(values.min()),
+        "max": float(values.max()),
+        "gap": float(gap.max()),
     }
-    if mdp.flags["equipped"].any():
-        summary["mean_equipped"] = float(bits[mdp.flags["equipped"]].mean())
+    if "equipped" in mdp.flags and mdp.flags["equipped"].any():
+        summary["mean_equipped"] = float(values[mdp.flags["equipped"]].mean())
     if args.json:
-        return _print_json(summary | {"out": args.out and str(args.out)})
-    print(f"{args.horizon}-step empowerment through the sensor {args.sensor!r}, in bits")
+        kind = {"unit": args.unit, "method": args.method}
+        return _print_json(summary | kind | {"out": args.out and str(args.out)})
+    kind = "lower bounds on " if args.method == "sampled" else ""
+    print(
+        f"{kind}{args.horizon}-step empowerment through the sensor {args.sensor!r}, in {args.unit}"
+    )
     for name, value in summary.items():
-        print(f"{name:>14}  {value:,}" if name == "states" else f"{name:>14}  {value:.4f}")
+        style = {"states": ",", "gap": ".2g"}.get(name, ".4f")
+        print(f"{name:>14}  {value:{style}}")
     if args.out is not None:
         print(f"values of all states: {args.out}")
     return 0
+
+
+def _table(args: Args) -> habilis.TabularMDP:
+    """The table of a world or, as `gym:ID`, of a Gymnasium environment."""
+    if not args.world.startswith(PREFIX):
+        return habilis.tabulate(load_world(args.world, args.tool), slip=args.slip)
+    if args.tool is not None:
+        raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
+    from habilis.gymnasium_tables import table_named
+
+    mdp = table_named(
+        args.world.removeprefix(PREFIX), show_progress=sys.stderr.isatty() and not args.json
+    )
+    return mdp.slippery(args.slip) if args.slip else mdp
 
 
 def landscape(args: Args) -> int:
@@ -125,7 +145,7 @@ def landscape(args: Args) -> int:
     world = load_world(args.world, args.tool)
     if args.tool_at is not None and world.tool == NO_TOOL:
         raise ValueError(f"{world.name} has no tool here; leave out --tool-at, or give --tool")
-    mdp = habilis.tabulate(world)
+    mdp = habilis.tabulate(world, slip=args.slip)
     tool, thing = args.tool_at or world.tool_cell, args.object_at or world.object
     values = measure(
         mdp, args.horizon, args.sensor, _actions(args.actions), tool=tool, object=thing
@@ -240,113 +260,6 @@ def bench(args: Args) -> int:
     return 0
 
 
-class _Parser(argparse.ArgumentParser):
-    """Refuses bad usage in one line, as every other bad input is."""
-
-    def error(self, message: str) -> NoReturn:
-        raise ValueError(f"{message}; see {self.prog} --help")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="habilis", description=_ABOUT)
-    parser.add_argument("--version", action="version", version=habilis.__version__)
-    verbs = parser.add_subparsers(required=True, metavar="VERB", parser_class=_Parser)
-
-    def verb(function: Callable[[Args], int], text: str, example: str) -> argparse.ArgumentParser:
-        added = verbs.add_parser(
-            function.__name__,
-            help=text,
-            description=text[0].upper() + text[1:] + ".",
-            epilog=f"example: {example}",
-        )
-        added.set_defaults(verb=function)
-        added.add_argument("--json", action="store_true", help="print JSON, for machines")
-        return added
-
-    v = verb(worlds, "list the built-in worlds, or draw one", "habilis worlds yard --tool broom")
-    v.add_argument("name", nargs="?", metavar="NAME", help="a built-in world or a map file")
-    _tool(v)
-    v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
-
-    v = verb(solve, "find a shortest plan", "habilis solve corridor --tool none")
-    _world(v)
-
-    v = verb(
-        empowerment,
-        "compute the empowerment of every state",
-        "habilis empowerment corridor --sensor object --horizon 6 --out bits.csv",
-    )
-    _world(v)
-    _measure(v)
-    v.add_argument("--out", type=Path, metavar="F.csv", help="all values (.csv or .parquet)")
-
-    v = verb(
-        landscape,
-        "empowerment for every agent cell, tool and can where the map has them",
-        "habilis landscape corridor --sensor object --horizon 6 --out landscape.png",
-    )
-    _world(v)
-    _measure(v)
-    v.add_argument("--tool-at", type=_cell, metavar="ROW,COLUMN", help="another cell for the tool")
-    v.add_argument("--object-at", type=_cell, metavar="ROW,COLUMN", help="another for the can")
-    v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
-
-    v = verb(
-        compare,
-        "average object empowerment with each tool, and without",
-        "habilis compare yard --tools picker,broom,none --horizon 3",
-    )
-    v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
-    v.add_argument("--tools", type=_words, default=["picker", "broom", NO_TOOL], metavar="A,B,...")
-    v.add_argument("--horizon", type=int, required=True, help="number of actions")
-
-    v = verb(
-        train,
-        "train agents, with empowerment in the reward or without",
-        "habilis train corridor --intrinsic object --horizon 6 --beta 0.07 --out runs/toe",
-    )
-    _world(v)
-    from habilis.learning.arguments import add_config_arguments
-
-    add_config_arguments(v)
-    v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
-
-    v = verb(watch, "replay what an agent learned", "habilis watch runs/toe --gif toe.gif")
-    v.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
-    v.add_argument("--run", type=int, default=0, help="which of its runs (default 0)")
-    v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
-    v.add_argument("--speed", type=_positive, default=4.0, help="steps a second (default 4)")
-
-    v = verb(
-        reproduce,
-        "recompute the paper: every table, figure and number",
-        "habilis reproduce --out paper",
-    )
-    v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
-    v.add_argument("--quick", action="store_true", help="few runs and episodes, in 3 minutes")
-
-    v = verb(bench, "measure our speed beside the alternatives", "habilis bench empowerment")
-    v.add_argument("what", nargs="*", metavar="WHAT", help="which benchmarks (default all)")
-    return parser
-
-
-def _world(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
-    _tool(parser)
-
-
-def _tool(parser: argparse.ArgumentParser) -> None:
-    text = "picker, broom or none, in the place of the map's own"
-    parser.add_argument("--tool", metavar="TOOL", help=text)
-
-
-def _measure(parser: argparse.ArgumentParser) -> None:
-    sensor = "state, agent, tool or object (default state)"
-    parser.add_argument("--sensor", default="state", help=sensor)
-    parser.add_argument("--horizon", type=int, required=True, help="number of actions")
-    parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
-
-
 def _actions(text: str) -> list[int] | None:
     named = {"all": None, "moves": [0, 1, 2, 3], "tool": [4, 5, 6, 7]}
     if text in named:
@@ -357,25 +270,6 @@ def _actions(text: str) -> list[int] | None:
         raise ValueError(
             f"actions {text!r} are unknown; use all, moves, tool, or indices as 0,1,2"
         ) from None
-
-
-def _cell(text: str) -> Cell:
-    try:
-        row, column = (int(part) for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no cell, as 2,6 for row,column") from None
-    return row, column
-
-
-def _words(text: str) -> list[str]:
-    return [word for word in text.split(",") if word]
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is not above 0")
-    return value
 
 
 def _print_json(value: Any) -> int:
@@ -405,6 +299,12 @@ def _animate(console, frames: list, seconds: float) -> None:
         for frame in frames:
             live.update(frame, refresh=True)
             time.sleep(seconds)
+
+
+_VERBS: dict[str, Verb] = {
+    verb.__name__: verb
+    for verb in (worlds, solve, empowerment, landscape, compare, train, watch, reproduce, bench)
+}
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 from importlib import import_module
 from types import ModuleType
 
-_OF_EXTRA = {"learn": ("jax", "jaxlib", "equinox", "optax", "jinja2")}
+_OF_EXTRA = {"learn": ("jax", "jaxlib", "equinox", "optax", "jinja2"), "gymnasium": ("gymnasium",)}
 
 
 class MissingExtraError(ImportError):

@@ -1,7 +1,7 @@
 """A finite Markov decision process as arrays."""
 
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -144,6 +144,53 @@ class TabularMDP:
             *_rewards_and_ends((states, len(each)), reward, terminal, start),
             start=int(start),
         )
+
+    @classmethod
+    def from_gymnasium(
+        cls,
+        env: Any,
+        *,
+        max_states: int = 100_000,
+        seed: int | None = 0,
+        key: Callable[[Any], Hashable] | None = None,
+        factors: Mapping[str, Callable[[Any], int]] | None = None,
+        show_progress: bool = False,
+    ) -> "TabularMDP":
+        """The table of a Gymnasium environment; the environment itself is left as it is.
+
+        From its own table `P` if it has one, as FrozenLake, CliffWalking and Taxi do. Otherwise
+        it must be deterministic, and every state that can be reached from the first is stepped
+        through, on copies. Counters of steps are no part of a state: every step is made as if it
+        were the first, and truncation is not an end. Terminal states are not stepped out of.
+
+        Args:
+            env: what `gymnasium.make` returns, wrapped or not.
+            max_states: how many states to accept before giving up.
+            seed: of the reset that makes the first state; `None`: the state that env is in.
+            key: what makes two states of the (unwrapped) environment the same; by default all
+                that it holds but random numbers, pictures and counters of steps.
+            factors: further factors by name: a whole number for the (unwrapped) environment in a
+                state. Not for environments that have a `P`.
+            show_progress: whether to draw a progress bar on standard error.
+
+        Returns:
+            A table with the rewards, terminal states and first state of the environment. Factors:
+            FrozenLake and CliffWalking "agent"; Taxi "taxi", "passenger", "destination";
+            Minigrid "agent", "direction", "carried" and every thing by its kind, such as "key".
+
+        Raises:
+            ValueError: it is no such environment, chance decides on a step, it has more states
+                than max_states, or it cannot be copied or compared.
+
+        Example:
+            >>> import gymnasium
+            >>> lake = TabularMDP.from_gymnasium(gymnasium.make("FrozenLake-v1"))
+            >>> lake.states, lake.is_stochastic, lake.actions
+            (16, True, ('left', 'down', 'right', 'up'))
+        """
+        from habilis.gymnasium_tables import table_of
+
+        return table_of(env, max_states, seed, key, factors, show_progress)
 
     def slippery(self, slip: float) -> "TabularMDP":
         """This MDP when the chosen action may be replaced (rule 7 of the design).

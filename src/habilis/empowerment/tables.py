@@ -9,12 +9,19 @@ from jaxtyping import Float64
 from habilis.mdp import TabularMDP
 
 
-def state_table(mdp: TabularMDP, bits: Float64[np.ndarray, "S"]) -> pl.DataFrame:
-    """One row a state: its index, its factors (cells as row and column), flags, and bits.
+def state_table(
+    mdp: TabularMDP,
+    values: Float64[np.ndarray, "S"],
+    gap: Float64[np.ndarray, "S"] | None = None,
+    unit: str = "bits",
+) -> pl.DataFrame:
+    """One row a state: its index, its factors (cells as row and column), flags, and its value.
 
     Args:
         mdp: the table.
-        bits: a value for every state.
+        values: one for every state.
+        gap: their certified gaps; no column where there is none.
+        unit: the name of the values' column.
     """
     columns: dict[str, np.ndarray] = {"state": np.arange(mdp.states)}
     for name, labels in mdp.factors.items():
@@ -22,7 +29,8 @@ def state_table(mdp: TabularMDP, bits: Float64[np.ndarray, "S"]) -> pl.DataFrame
             columns[name] = labels
         else:
             columns[f"{name}_row"], columns[f"{name}_column"] = np.divmod(labels, mdp.shape[1])
-    return pl.DataFrame(columns | dict(mdp.flags) | {"bits": bits})
+    measured = {unit: values} if gap is None else {unit: values, "gap": gap}
+    return pl.DataFrame(columns | dict(mdp.flags) | measured)
 
 
 def save_table(table: pl.DataFrame, path: str | Path) -> None:

@@ -1,0 +1,170 @@
+"""What each verb of the command line takes."""
+
+import argparse
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NoReturn
+
+import habilis
+from habilis.worlds.world import NO_TOOL, Cell
+
+Args = argparse.Namespace
+Verb = Callable[[Args], int]
+
+PREFIX = "gym:"
+OPTIONS = (
+    *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
+)
+
+_ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
+
+
+class _Parser(argparse.ArgumentParser):
+    """Refuses bad usage in one line, as every other bad input is."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ValueError(f"{message}; see {self.prog} --help")
+
+
+def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
+    """The whole command line.
+
+    Args:
+        functions: what each verb does, by its name.
+    """
+    whole = _Parser(prog="habilis", description=_ABOUT)
+    whole.add_argument("--version", action="version", version=habilis.__version__)
+    verbs = whole.add_subparsers(required=True, metavar="VERB", parser_class=_Parser)
+
+    def verb(name: str, text: str, example: str) -> argparse.ArgumentParser:
+        added = verbs.add_parser(
+            name,
+            help=text,
+            description=text[0].upper() + text[1:] + ".",
+            epilog=f"example: {example}",
+        )
+        added.set_defaults(verb=functions[name])
+        added.add_argument("--json", action="store_true", help="print JSON, for machines")
+        return added
+
+    v = verb("worlds", "list the built-in worlds, or draw one", "habilis worlds yard --tool broom")
+    v.add_argument("name", nargs="?", metavar="NAME", help="a built-in world or a map file")
+    _tool(v)
+    v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+
+    v = verb("solve", "find a shortest plan", "habilis solve corridor --tool none")
+    _world(v)
+
+    v = verb(
+        "empowerment",
+        "compute the empowerment of every state",
+        "habilis empowerment corridor --sensor object --horizon 6 --out bits.csv",
+    )
+    _world(v, or_environment=True)
+    _measure(v)
+    _options(v)
+    v.add_argument("--out", type=Path, metavar="F.csv", help="all values (.csv or .parquet)")
+
+    v = verb(
+        "landscape",
+        "empowerment for every agent cell, tool and can where the map has them",
+        "habilis landscape corridor --sensor object --horizon 6 --out landscape.png",
+    )
+    _world(v)
+    _measure(v)
+    v.add_argument("--tool-at", type=_cell, metavar="ROW,COLUMN", help="another cell for the tool")
+    v.add_argument("--object-at", type=_cell, metavar="ROW,COLUMN", help="another for the can")
+    v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+
+    v = verb(
+        "compare",
+        "average object empowerment with each tool, and without",
+        "habilis compare yard --tools picker,broom,none --horizon 3",
+    )
+    v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
+    v.add_argument("--tools", type=_words, default=["picker", "broom", NO_TOOL], metavar="A,B,...")
+    v.add_argument("--horizon", type=int, required=True, help="number of actions")
+
+    v = verb(
+        "train",
+        "train agents, with empowerment in the reward or without",
+        "habilis train corridor --intrinsic object --horizon 6 --beta 0.07 --out runs/toe",
+    )
+    _world(v)
+    from habilis.learning.arguments import add_config_arguments
+
+    add_config_arguments(v)
+    v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
+
+    v = verb("watch", "replay what an agent learned", "habilis watch runs/toe --gif toe.gif")
+    v.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
+    v.add_argument("--run", type=int, default=0, help="which of its runs (default 0)")
+    v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
+    v.add_argument("--speed", type=_positive, default=4.0, help="steps a second (default 4)")
+
+    v = verb(
+        "reproduce",
+        "recompute the paper: every table, figure and number",
+        "habilis reproduce --out paper",
+    )
+    v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
+    v.add_argument("--quick", action="store_true", help="few runs and episodes, in 3 minutes")
+
+    v = verb("bench", "measure our speed beside the alternatives", "habilis bench empowerment")
+    v.add_argument("what", nargs="*", metavar="WHAT", help="which benchmarks (default all)")
+    return whole
+
+
+def _world(parser: argparse.ArgumentParser, or_environment: bool = False) -> None:
+    text = "a built-in world or a map file"
+    if or_environment:
+        text += f", or a Gymnasium environment as {PREFIX}FrozenLake-v1?map_name=8x8"
+    parser.add_argument("world", metavar="WORLD", help=text)
+    _tool(parser)
+
+
+def _tool(parser: argparse.ArgumentParser) -> None:
+    text = "picker, broom or none, in the place of the map's own"
+    parser.add_argument("--tool", metavar="TOOL", help=text)
+
+
+def _measure(parser: argparse.ArgumentParser) -> None:
+    sensor = "state, agent, tool or object (default state)"
+    parser.add_argument("--sensor", default="state", help=sensor)
+    parser.add_argument("--horizon", type=int, required=True, help="number of actions")
+    parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
+    slip = "probability that chance replaces the action (default 0)"
+    parser.add_argument("--slip", type=float, default=0.0, metavar="P", help=slip)
+
+
+def _options(parser: argparse.ArgumentParser) -> None:
+    """What `OPTIONS` lists: arguments of `habilis.empowerment` by their names."""
+    parser.add_argument("--unit", choices=("bits", "nats"), default="bits", help="of all values")
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
+    parser.add_argument(
+        "--method", choices=("exact", "sampled"), default="exact", help="sampled: a lower bound"
+    )
+    parser.add_argument("--samples", type=int, default=1000, help="sequences (default 1000)")
+    parser.add_argument("--seed", type=int, default=0, help="of the samples (default 0)")
+    parser.add_argument("--threads", type=int, help="default: as many as there are processors")
+    parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
+    parser.add_argument("--max-seconds", type=float, default=3600.0, help="limit (default 3600)")
+
+
+def _cell(text: str) -> Cell:
+    try:
+        row, column = (int(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no cell, as 2,6 for row,column") from None
+    return row, column
+
+
+def _words(text: str) -> list[str]:
+    return [word for word in text.split(",") if word]
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+    return value

@@ -1,0 +1,61 @@
+"""Tables of Gymnasium environments that were written elsewhere.
+
+From the environment's own table `P` where it has one (`transition_dict`), otherwise by stepping
+through every state that can be reached (`enumeration`).
+"""
+
+import json
+from collections.abc import Callable, Hashable, Mapping
+from typing import Any
+from urllib.parse import parse_qsl
+
+from habilis.extras import import_from
+from habilis.mdp import TabularMDP
+
+
+def table_of(
+    env: Any,
+    max_states: int,
+    seed: int | None,
+    key: Callable[[Any], Hashable] | None,
+    factors: Mapping[str, Callable[[Any], int]] | None,
+    show_progress: bool,
+) -> TabularMDP:
+    """`TabularMDP.from_gymnasium`; see there."""
+    from habilis.gymnasium_tables.enumeration import enumerate_states
+    from habilis.gymnasium_tables.transition_dict import table_of_dict
+
+    inner = getattr(env, "unwrapped", None)
+    if not hasattr(inner, "action_space"):
+        raise ValueError(f"{env!r} is no Gymnasium environment; give what gymnasium.make returns")
+    if hasattr(inner, "P"):
+        return table_of_dict(inner)
+    return enumerate_states(env, max_states, seed, key, factors, show_progress)
+
+
+def table_named(name: str, show_progress: bool = False) -> TabularMDP:
+    """The table of an environment by its name on the command line.
+
+    Args:
+        name: its ID, with its arguments as in `FrozenLake-v1?map_name=8x8&is_slippery=false`; a
+            package that registers it is named before it: `minigrid:MiniGrid-DoorKey-5x5-v0`.
+        show_progress: whether to draw a progress bar.
+
+    Raises:
+        ValueError: there is no such environment, or it has no such table.
+        MissingExtraError: Gymnasium is not installed.
+    """
+    identity, _, query = name.partition("?")
+    registration = import_from("habilis.gymnasium_tables.registration", "gymnasium")
+    env = registration.made(identity, {k: _value(v) for k, v in parse_qsl(query)})
+    try:
+        return TabularMDP.from_gymnasium(env, show_progress=show_progress)
+    finally:
+        env.close()
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError:
+        return text
