@@ -1,11 +1,10 @@
 """What may be asked: every argument of a measure, checked in one place."""
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Int64
-from numpy.typing import ArrayLike
 
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
@@ -66,7 +65,7 @@ def chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int64[np.n
     return np.unique(chosen).astype(np.int64)
 
 
-def chosen_states(mdp: TabularMDP, states: ArrayLike | None) -> Int64[np.ndarray, "n"]:
+def chosen_states(mdp: TabularMDP, states: Any) -> Int64[np.ndarray, "n"]:
     """The state indices asked about, in order and as often as asked; all if nobody says."""
     if states is None:
         return np.arange(mdp.states)

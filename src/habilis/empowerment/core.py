@@ -20,6 +20,12 @@ from habilis.empowerment.arguments import (
 from habilis.empowerment.capacity import checked_tolerance, warn_of_gap
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
+from habilis.worlds.reach import Placement, reachable
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import World
+
+States = ArrayLike | Sequence[Placement]
+"""Indices, bool[S] or, of a world, placements."""
 
 _MOST_PACKED_LABELS = 4096  # above, sets of states cost less than 64 words a state
 
@@ -42,11 +48,11 @@ class Options(TypedDict, total=False):
 
 @overload
 def empowerment(
-    mdp: TabularMDP,
+    mdp: TabularMDP | World,
     horizon: int,
     sensor: Sensor = ...,
     actions: Sequence[int] | None = ...,
-    states: ArrayLike | None = ...,
+    states: States | None = ...,
     *,
     return_gap: Literal[False] = ...,
     **options: Unpack[Options],
@@ -55,11 +61,11 @@ def empowerment(
 
 @overload
 def empowerment(
-    mdp: TabularMDP,
+    mdp: TabularMDP | World,
     horizon: int,
     sensor: Sensor = ...,
     actions: Sequence[int] | None = ...,
-    states: ArrayLike | None = ...,
+    states: States | None = ...,
     *,
     return_gap: Literal[True],
     **options: Unpack[Options],
@@ -67,11 +73,11 @@ def empowerment(
 
 
 def empowerment(
-    mdp: TabularMDP,
+    mdp: TabularMDP | World,
     horizon: int,
     sensor: Sensor = "state",
     actions: Sequence[int] | None = None,
-    states: ArrayLike | None = None,
+    states: States | None = None,
     *,
     return_gap: bool = False,
     unit: Unit = "bits",
@@ -98,13 +104,15 @@ def empowerment(
     stop the counted sequences.
 
     Args:
-        mdp: the table.
+        mdp: the table; or a world, of which then only so much is tabulated as h actions can reach
+            from the states asked about.
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
             empowerment), int[S] labels, or float[S, O] probabilities of observations (also
             scipy.sparse).
         actions: the action indices that sequences are made of; by default all.
-        states: the n states asked about, as indices or as bool[S]; by default all, in order.
+        states: the n states asked about, as indices or as bool[S]; of a world, as placements such
+            as `{"agent": (0, 0), "tool": (1, 0), "object": (2, 2)}`. By default all, in order.
         return_gap: whether to return the certificate too.
         unit: "bits" or "nats", of values, gaps and tolerance.
         tolerance: the gap at which to stop, where the channel is noisy.
@@ -145,9 +153,11 @@ def empowerment(
     tolerance = checked_tolerance(tolerance) / scale
     samples, seed = at_least_one("samples", samples), whole_number("seed", seed)
     max_gib, max_seconds = positive("max_gib", max_gib), positive("max_seconds", max_seconds)
+    if isinstance(mdp, World):
+        mdp, states = _around(mdp, horizon, sensor, states)
     used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
     if not mdp.is_stochastic and not is_noisy(sensor) and method == "exact":
-        bits = _counted(mdp, horizon, sensor, used, None if states is None else starts)
+        bits = _counted(mdp, horizon, sensor, used, None if states is None else starts, threads)
         gap = np.zeros(len(bits))
     else:
         from habilis.empowerment import stochastic
@@ -165,28 +175,71 @@ def empowerment(
     return (bits * scale, gap * scale) if return_gap else bits * scale
 
 
+def _around(
+    world: World, horizon: int, sensor: Sensor, states: States | None
+) -> tuple[TabularMDP, Int64[np.ndarray, "n"] | None]:
+    """As much of a world's table as is needed, and the asked states in it."""
+    if not isinstance(sensor, str):
+        raise ValueError(
+            "a world's states have no numbers yet; give the name of a factor or 'state' as sensor, "
+            "or tabulate the world"
+        )
+    if states is None:
+        return tabulate(world), None
+    return reachable(world, states, horizon)
+
+
 def _counted(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor,
     actions: Int64[np.ndarray, "A"],
     starts: Int64[np.ndarray, "n"] | None,
+    threads: int,
 ) -> Bits:
     """The logarithms of how many observations can be brought about, where nothing is noisy."""
     # Numba takes as long to import as everything else together: only who computes pays.
     from habilis.empowerment.counting import count_backward, count_forward
 
+    cells = isinstance(sensor, str) and sensor in mdp.factors and mdp.shape is not None
     labels, label_count = observations(mdp, sensor)
     table = mdp.next_state
     if len(actions) < mdp.action_count:
         table = np.ascontiguousarray(table[:, actions])
-    if label_count > _MOST_PACKED_LABELS:
-        every = np.arange(mdp.states) if starts is None else starts
-        return np.log2(count_forward(table, labels, label_count, horizon, every))
-    if starts is None:
-        return np.log2(count_backward(table, labels, label_count, horizon))
-    near, table, place = _neighbourhood(table, starts, horizon)
-    return np.log2(count_backward(table, labels[near], label_count, horizon)[place])
+    few = label_count <= _MOST_PACKED_LABELS
+    if few or cells:
+        near, place, nearby = slice(None), slice(None), table
+        if starts is not None:
+            near, nearby, place = _neighbourhood(table, starts, horizon)
+        counts = None
+        if isinstance(sensor, str) and mdp.shape is not None and cells:
+            counts = _counted_near(nearby, mdp.factor(sensor)[near], mdp.shape, horizon, threads)
+        if counts is None and few:
+            counts = count_backward(nearby, labels[near], label_count, horizon, threads)
+        if counts is not None:
+            return np.log2(counts[place])
+    every = np.arange(mdp.states) if starts is None else starts
+    return np.log2(count_forward(table, labels, label_count, horizon, every, threads))
+
+
+def _counted_near(
+    table: Int32[np.ndarray, "S A"],
+    cells: Int32[np.ndarray, "S"],
+    shape: tuple[int, int],
+    horizon: int,
+    threads: int,
+) -> Int64[np.ndarray, "S"] | None:
+    """To how many cells a thing can be brought, if looking at those near it saves anything."""
+    from habilis.empowerment.windows import count_in_window, window_of, worth_a_window
+
+    if not worth_a_window(shape):
+        return None
+    row, column = (part.astype(np.int16) for part in np.divmod(cells, shape[1]))
+    words = min(-(-shape[0] * shape[1] // 64), _MOST_PACKED_LABELS // 64)
+    window = window_of(table, row, column, horizon, words, threads)
+    if window is None:
+        return None
+    return count_in_window(table, row, column, horizon, window, threads)
 
 
 def _neighbourhood(

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Int32
 
 from habilis.mdp import TabularMDP
 from habilis.worlds.rules import ACTIONS, MOVES, Grid, successor
@@ -64,27 +65,47 @@ def tabulate(world: World, slip: float = 0.0, *, max_states: int = MAX_STATES) -
             to = successor(grid, rule, action, agent[block], tool[block], thing[block])
             next_state[block, action] = state_of[hand_of[to[0], to[1]], to[2]]
 
+    start_tool = grid.nowhere if rule is None else _tool_cell(world, grid)
+    start = state_of[hand_of[grid.index(world.agent), start_tool], grid.index(world.object)]
+    return describe(world, grid, (agent, tool, thing), next_state, int(start)).slippery(slip)
+
+
+def describe(
+    world: World,
+    grid: Grid,
+    placements: tuple[Cells, Cells, Cells],
+    next_state: Int32[np.ndarray, "S A"],
+    start: int,
+) -> TabularMDP:
+    """The table of some of a world's placements, given where they lead.
+
+    Args:
+        world: the map.
+        grid: its cells.
+        placements: the cells of agent, tool and object in each state.
+        next_state: int32[S, A].
+        start: the state in which episodes begin.
+    """
+    agent, tool, thing = placements
+    rule = world.tool_rule
     terminal = thing == grid.index(world.goal)
     equipped = grid.adjacent(agent, tool)
-    attached = np.zeros(len(hand), bool)
+    attached = np.zeros(len(thing), bool)
     if rule is not None:
         attached = equipped & rule.attached(agent, tool, thing)
     cells = {"agent": agent, "tool": tool, "object": thing}
     if rule is None:
         del cells["tool"]
-    start_tool = grid.nowhere if rule is None else _tool_cell(world, grid)
-    start = state_of[hand_of[grid.index(world.agent), start_tool], grid.index(world.object)]
-    mdp = TabularMDP(
+    return TabularMDP(
         transitions=next_state,
-        reward=np.where(terminal[next_state], 0, -1).astype(np.float32),
+        reward=-(~terminal[next_state]).astype(np.float32),
         terminal=terminal,
         factors={name: grid.label(at).astype(np.int32) for name, at in cells.items()},
         flags={"equipped": equipped, "attached": attached},
-        start=int(start),
+        start=start,
         shape=(world.height, world.width),
-        actions=actions,
+        actions=MOVES if rule is None else ACTIONS,
     )
-    return mdp.slippery(slip)
 
 
 def placement(world: World, mdp: TabularMDP, state: int) -> World:
