@@ -24,7 +24,7 @@ from habilis.worlds.reach import Placement, reachable
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
-States = ArrayLike | Sequence[Placement]
+States = ArrayLike | Placement | Sequence[Placement]
 """Indices, bool[S] or, of a world, placements."""
 
 _MOST_PACKED_LABELS = 4096  # above, sets of states cost less than 64 words a state
