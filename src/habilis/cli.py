@@ -4,6 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -148,14 +149,18 @@ def landscape(args: Args) -> int:
     mdp = habilis.tabulate(world, slip=args.slip)
     tool, thing = args.tool_at or world.tool_cell, args.object_at or world.object
     values = measure(
-        mdp, args.horizon, args.sensor, _actions(args.actions), tool=tool, object=thing
+        mdp,
+        args.horizon,
+        args.sensor,
+        _actions(args.actions),
+        tool=tool,
+        object=thing,
+        unit=args.unit,
     )
     if args.out is not None:
-        from dataclasses import replace
-
         shown = replace(world, tool_cell=tool, object=thing)
         title = f"{args.horizon}-step empowerment, sensor {args.sensor!r}"
-        figure = landscape_figure(shown, {title: values})
+        figure = landscape_figure(shown, {title: values}, unit=args.unit)
         _save(args.out, lambda path: save_figure(figure, path))
     if args.json:
         rows = [[None if np.isnan(v) else v for v in row] for row in values.tolist()]
@@ -170,17 +175,83 @@ def landscape(args: Args) -> int:
 def compare(args: Args) -> int:
     from habilis.empowerment.measures import compare as measure
     from habilis.empowerment.measures import ranking
+    from habilis.empowerment.usefulness import usefulness
 
-    averages = measure(load_world(args.world), args.tools, args.horizon)
+    world = load_world(args.world)
+    averages = measure(world, args.tools, args.horizon, args.slip, unit=args.unit)
+    verdicts = {
+        tool: usefulness(world.with_tool(tool), args.horizon, args.slip, unit=args.unit)
+        for tool in averages
+        if tool != NO_TOOL
+    }
     if args.json:
-        return _print_json({"averages": averages, "horizon": args.horizon})
-    print(f"average {args.horizon}-step object empowerment, in bits")
-    bare = averages.get(NO_TOOL)
+        judged = {
+            tool: {
+                "useful": verdict.useful_on_average,
+                "better_than_none": verdict.better_than_none_on_average,
+                "useful_share": float(verdict.useful.mean()),
+                "better_than_none_share": float(verdict.better_than_none.mean()),
+            }
+            for tool, verdict in verdicts.items()
+        }
+        return _print_json(
+            {"averages": averages, "horizon": args.horizon, "unit": args.unit, "tools": judged}
+        )
+    print(f"average {args.horizon}-step object empowerment, in {args.unit}")
     for tool in ranking(averages):
-        verdict = ""
-        if bare is not None and tool != NO_TOOL:
-            verdict = "useful" if averages[tool] > bare else "encumbers the agent"
-        print(f"{tool:>10}  {averages[tool]:.4f}  {verdict}".rstrip())
+        line = f"{tool:>10}  {averages[tool]:.4f}"
+        if tool in verdicts:
+            verdict = verdicts[tool]
+            better = verdict.better_than_none_on_average
+            line += f"  {'better than none' if better else 'encumbers the agent'}"
+            line += f" (in {verdict.better_than_none.mean():.0%} of placements;"
+            line += f" useful in {verdict.useful.mean():.0%})"
+        print(line)
+    return 0
+
+
+def futures(args: Args) -> int:
+    from habilis.empowerment.futures import futures as measure
+    from habilis.empowerment.futures_picture import futures_figure, sequence_text
+
+    world = load_world(args.world, args.tool)
+    places = {"agent": args.agent_at, "tool_cell": args.tool_at, "object": args.object_at}
+    world = replace(world, **{name: cell for name, cell in places.items() if cell is not None})
+    if args.tool_at is not None and world.tool == NO_TOOL:
+        raise ValueError(f"{world.name} has no tool here; leave out --tool-at, or give --tool")
+    mdp = habilis.tabulate(world, args.slip)
+    found = measure(
+        mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), unit=args.unit
+    )
+    if args.out is not None:
+        from habilis.worlds.pictures import save_figure
+
+        if args.sensor not in mdp.factors:
+            raise ValueError(
+                f"a picture needs cells; use --sensor {', '.join(mdp.factors)}, or leave out --out"
+            )
+        figure = futures_figure(world, mdp, found, args.sensor)
+        _save(args.out, lambda path: save_figure(figure, path))
+    if args.json:
+        return _print_json(
+            {
+                "empowerment": found.empowerment,
+                "gap": found.gap,
+                "unit": found.unit,
+                "sequences": found.sequences.tolist(),
+                "probability": found.probability.tolist(),
+                "observations": found.observations.tolist(),
+                "seen": found.seen.tolist(),
+            }
+        )
+    print(f"{found.empowerment:.4f} {found.unit}, {len(found.observations)} possible observations")
+    shown = list(zip(found.probability, found.sequences, strict=True))
+    for probability, sequence in shown[:20]:
+        print(f"{probability:8.2%}  {sequence_text(mdp, sequence)}")
+    if len(shown) > 20:
+        print(f"          and {len(shown) - 20} more sequences")
+    if args.out is not None:
+        print(f"picture: {args.out}")
     return 0
 
 
@@ -303,7 +374,18 @@ def _animate(console, frames: list, seconds: float) -> None:
 
 _VERBS: dict[str, Verb] = {
     verb.__name__: verb
-    for verb in (worlds, solve, empowerment, landscape, compare, train, watch, reproduce, bench)
+    for verb in (
+        worlds,
+        solve,
+        empowerment,
+        landscape,
+        futures,
+        compare,
+        train,
+        watch,
+        reproduce,
+        bench,
+    )
 }
 
 

@@ -72,6 +72,20 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     _world(v)
     _measure(v)
+    _unit(v)
+    v.add_argument("--tool-at", type=_cell, metavar="ROW,COLUMN", help="another cell for the tool")
+    v.add_argument("--object-at", type=_cell, metavar="ROW,COLUMN", help="another for the can")
+    v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+
+    v = verb(
+        "futures",
+        "what the agent would choose among, where the map has it",
+        "habilis futures yard --sensor object --horizon 3 --out futures.png",
+    )
+    _world(v)
+    _measure(v)
+    _unit(v)
+    v.add_argument("--agent-at", type=_cell, metavar="ROW,COLUMN", help="another for the agent")
     v.add_argument("--tool-at", type=_cell, metavar="ROW,COLUMN", help="another cell for the tool")
     v.add_argument("--object-at", type=_cell, metavar="ROW,COLUMN", help="another for the can")
     v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
@@ -84,6 +98,8 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
     v.add_argument("--tools", type=_words, default=["picker", "broom", NO_TOOL], metavar="A,B,...")
     v.add_argument("--horizon", type=int, required=True, help="number of actions")
+    _slip(v)
+    _unit(v)
 
     v = verb(
         "train",
@@ -133,13 +149,21 @@ def _measure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sensor", default="state", help=sensor)
     parser.add_argument("--horizon", type=int, required=True, help="number of actions")
     parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
+    _slip(parser)
+
+
+def _slip(parser: argparse.ArgumentParser) -> None:
     slip = "probability that chance replaces the action (default 0)"
     parser.add_argument("--slip", type=float, default=0.0, metavar="P", help=slip)
 
 
+def _unit(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--unit", choices=("bits", "nats"), default="bits", help="of all values")
+
+
 def _options(parser: argparse.ArgumentParser) -> None:
     """What `OPTIONS` lists: arguments of `habilis.empowerment` by their names."""
-    parser.add_argument("--unit", choices=("bits", "nats"), default="bits", help="of all values")
+    _unit(parser)
     parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
     parser.add_argument(
         "--method", choices=("exact", "sampled"), default="exact", help="sampled: a lower bound"

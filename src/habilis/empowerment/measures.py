@@ -1,18 +1,21 @@
 """Measures made of empowerment: averages that compare tools, and landscapes."""
 
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
-from habilis.empowerment.core import empowerment
+from habilis.empowerment.core import Options, empowerment
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import NO_TOOL, Cell, World
 
 
-def average_empowerment(mdp: TabularMDP, horizon: int, sensor: str = "object") -> float:
+def average_empowerment(
+    mdp: TabularMDP, horizon: int, sensor: str = "object", **options: Unpack[Options]
+) -> float:
     """Mean empowerment over the states that compare tools, in bits.
 
     With a tool, these are all placements with the tool in hand; without one, all placements.
@@ -23,6 +26,7 @@ def average_empowerment(mdp: TabularMDP, horizon: int, sensor: str = "object") -
         mdp: a world's table.
         horizon: h, in actions.
         sensor: as in `empowerment`.
+        **options: of `empowerment`, such as unit="nats".
 
     Raises:
         ValueError: as in `empowerment`, or the tool can never be in hand.
@@ -36,7 +40,7 @@ def average_empowerment(mdp: TabularMDP, horizon: int, sensor: str = "object") -
     states = compared_states(mdp)
     if not states.any():
         raise ValueError("there is no room to hold the tool; leave two free cells side by side")
-    return float(empowerment(mdp, horizon, sensor, states=states).mean())
+    return float(empowerment(mdp, horizon, sensor, states=states, **options).mean())
 
 
 def compared_states(mdp: TabularMDP) -> np.ndarray:
@@ -44,13 +48,21 @@ def compared_states(mdp: TabularMDP) -> np.ndarray:
     return mdp.flags["equipped"] if "tool" in mdp.factors else np.ones(mdp.states, bool)
 
 
-def compare(world: World, tools: Sequence[str], horizon: int) -> dict[str, float]:
+def compare(
+    world: World,
+    tools: Sequence[str],
+    horizon: int,
+    slip: float = 0.0,
+    **options: Unpack[Options],
+) -> dict[str, float]:
     """Average object empowerment of an agent with each tool in the same world, in bits.
 
     Args:
         world: the map.
         tools: names of tools; "none" is the bare agent.
         horizon: h, in actions.
+        slip: as in `tabulate`.
+        **options: of `empowerment`.
 
     Raises:
         ValueError: no tools, an unknown one, or a map that has no place for one.
@@ -64,7 +76,9 @@ def compare(world: World, tools: Sequence[str], horizon: int) -> dict[str, float
     if not tools:
         raise ValueError(f"no tools to compare; name some, such as picker,broom,{NO_TOOL}")
     return {
-        tool: average_empowerment(tabulate(world.with_tool(tool)), horizon, "object")
+        tool: average_empowerment(
+            tabulate(world.with_tool(tool), slip), horizon, "object", **options
+        )
         for tool in tools
     }
 
@@ -107,6 +121,7 @@ def landscape(
     *,
     tool: Cell | None = None,
     object: Cell,
+    **options: Unpack[Options],
 ) -> Float64[np.ndarray, "rows columns"]:
     """Empowerment for every agent cell, tool and object fixed, in bits.
 
@@ -115,6 +130,7 @@ def landscape(
         horizon, sensor, actions: as in `empowerment`.
         tool, object: their cells. The agent next to the tool has it in hand; where the tool
             does not lie at its cell of the map, there are only such states.
+        **options: of `empowerment`.
 
     Returns:
         Bits by cell; NaN where the agent cannot be: walls, the cells of tool and object.
@@ -126,7 +142,7 @@ def landscape(
         raise ValueError("this MDP has no cells; a landscape needs a world's table")
     states, cells = landscape_states(mdp, tool, object)
     values = np.full(mdp.shape[0] * mdp.shape[1], np.nan)
-    values[cells] = empowerment(mdp, horizon, sensor, actions, states)
+    values[cells] = empowerment(mdp, horizon, sensor, actions, states, **options)
     return values.reshape(mdp.shape)
 
 
@@ -135,6 +151,8 @@ def world_landscape(
     horizon: int,
     sensor: str = "state",
     actions: Sequence[int] | None = None,
+    slip: float = 0.0,
+    **options: Unpack[Options],
 ) -> Float64[np.ndarray, "rows columns"]:
     """The `landscape` of a world with tool and object at their cells of the map.
 
@@ -143,8 +161,9 @@ def world_landscape(
         >>> float(np.nanmax(world_landscape(load_world("corridor"), 1, "object")))
         1.0
     """
-    mdp = tabulate(world)
-    return landscape(mdp, horizon, sensor, actions, tool=world.tool_cell, object=world.object)
+    mdp = tabulate(world, slip)
+    place = {"tool": world.tool_cell, "object": world.object}
+    return landscape(mdp, horizon, sensor, actions, **place, **options)
 
 
 def ranking(averages: Mapping[str, float]) -> list[str]:

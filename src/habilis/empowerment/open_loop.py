@@ -49,6 +49,7 @@ def problem_of(
     sensor: Sensor,
     actions: Int64[np.ndarray, "A"],
     tolerance: float,
+    most_entries: int = 2**62,
 ) -> Problem:
     """A measure's arguments, made ready."""
     transitions, every = mdp.transitions, mdp.action_count
@@ -59,7 +60,8 @@ def problem_of(
             rows = np.arange(mdp.states)[:, None] * every + actions
             transitions = transitions[rows.ravel()]
     successors = successors_of(transitions, len(actions))
-    return Problem(successors, observation_probabilities(mdp, sensor), horizon, tolerance)
+    seen = observation_probabilities(mdp, sensor)
+    return Problem(successors, seen, horizon, tolerance, most_entries)
 
 
 @dataclass(frozen=True)
@@ -137,19 +139,17 @@ def solve_channel(
     channel, rows = distinct(np.ascontiguousarray(matrix @ seen[:, observations].toarray()))
     possible = channel.any(axis=0)
     channel, observations = np.ascontiguousarray(channel[:, possible]), observations[possible]
-    if len(channel) == 1 or len(observations) == 1:
-        inputs = np.full(len(channel), 1 / len(channel))
-        return Answer(0.0, 0.0, channel, observations, rows.astype(np.int64), inputs)
+    rows = rows.astype(np.int64)
+    inputs = np.full(len(channel), 1 / len(channel))
     merged = _merging_error(len(states), problem.horizon, len(observations))
+    if len(channel) == 1 or len(observations) == 1:
+        return Answer(0.0, 0.0, channel, observations, rows, inputs)
+    if (channel.max(axis=1) == 1).all():  # no noise is left: all inputs alike
+        bits = float(np.log2(len(channel)))
+        return Answer(bits, merged, channel, observations, rows, inputs)
     inputs, found = best_inputs(channel, max(problem.tolerance - merged, 0) * _LN2)
-    return Answer(
-        float(found.lower / _LN2),
-        float(found.gap / _LN2) + merged,
-        channel,
-        observations,
-        rows.astype(np.int64),
-        inputs,
-    )
+    bits, gap = float(found.lower / _LN2), float(found.gap / _LN2) + merged
+    return Answer(bits, gap, channel, observations, rows, inputs)
 
 
 def _merging_error(states: int, horizon: int, observations: int) -> float:

@@ -150,10 +150,9 @@ def draw_landscape(
     vmax: float | None = None,
     labels: bool = True,
     title: str | None = None,
+    agent: bool = False,
 ) -> ScalarMappable:
     """Draws a value for every cell as a heat map, with the walls, the bin, the can and the tool.
-
-    The agent is not drawn: the values are over its cells.
 
     Args:
         ax: where to draw, in its final size (the labels' font is chosen to fit it).
@@ -162,6 +161,7 @@ def draw_landscape(
         vmin, vmax: the ends of the colour scale; by default those of the values.
         labels: whether to print the values, to one decimal.
         title: stands above the map.
+        agent: whether to draw the agent too; not in a landscape, whose values are over its cells.
 
     Returns:
         What a colour bar needs: `figure.colorbar(mappable)`.
@@ -189,7 +189,7 @@ def draw_landscape(
     heat.autoscale_None()
     ax.add_collection(heat, autolim=False)
     labelled = valued if labels else []
-    things = _things(world, agent=None)
+    things = _things(world, world.agent if agent else None)
     _draw(ax, [_small_at(cell, things[cell], above_label=cell in labelled) for cell in things])
     size = _cell_points(ax, world)
     for cell in labelled:
@@ -210,7 +210,10 @@ def draw_landscape(
 
 
 def landscape_figure(
-    world: World, panels: Mapping[str, Float[np.ndarray, "rows columns"]], cell: int = 48
+    world: World,
+    panels: Mapping[str, Float[np.ndarray, "rows columns"]],
+    cell: int = 48,
+    unit: str = "bits",
 ) -> Figure:
     """Landscapes side by side, with one colour scale and a bar for it.
 
@@ -218,6 +221,7 @@ def landscape_figure(
         world: the map, and where can and tool are.
         panels: the values of each landscape (see `draw_landscape`) by its title.
         cell: pixels a cell.
+        unit: stands at the colour scale.
 
     Raises:
         ValueError: there are no panels, or values do not have the map's shape.
@@ -242,11 +246,16 @@ def landscape_figure(
         ax = column(gap + number * (map_width + gap), map_width)
         heats.append(draw_landscape(ax, world, values, vmin=vmin, vmax=vmax, title=name))
     bar_ax = column(width - bar_label - bar_width, bar_width)
-    bar = figure.colorbar(heats[0], cax=bar_ax, label="bits")
+    draw_scale(figure, heats[0], bar_ax, unit)
+    return figure
+
+
+def draw_scale(figure: Figure, heat: ScalarMappable, ax: Axes, label: str) -> None:
+    """Draws the colour scale of a landscape."""
+    bar = figure.colorbar(heat, cax=ax, label=label)
     bar.outline.set_visible(False)
     if bar.solids is not None:
         bar.solids.set(rasterized=False, edgecolor="face")  # an SVG of areas, no image in it
-    return figure
 
 
 def colored_text(world: World) -> Text:

@@ -1,0 +1,103 @@
+"""Whether a tool is of use, state by state and on average (section III-B.3 of the paper)."""
+
+from dataclasses import dataclass
+from typing import Unpack
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from habilis.empowerment.core import Options, empowerment
+from habilis.empowerment.measures import compared_states
+from habilis.mdp import TabularMDP
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import NO_TOOL, World
+
+_NOTHING = 1e-9  # what rounding can make of no empowerment at all
+
+
+@dataclass(frozen=True)
+class Usefulness:
+    """The object empowerment of an agent with its tool in hand, and of the bare agent.
+
+    Values are in the unit asked for, over the n states with the tool in hand.
+
+    Attributes:
+        states: int64[n], in the table of the world with the tool.
+        with_tool: float64[n], the tool's object empowerment E_TO.
+        without: float64[n], the agent's object empowerment E_AO, agent and object in the same
+            cells and no tool in the world.
+        useful: bool[n], `E_TO > 0`: with the tool the agent can do something to the object.
+        better_than_none: bool[n], `E_AO < E_TO`: more than it could without. Where this does not
+            hold, the tool encumbers the agent.
+        average_with_tool: over all placements with the tool in hand.
+        average_without: over all placements without a tool.
+    """
+
+    states: Int64[np.ndarray, "n"]
+    with_tool: Float64[np.ndarray, "n"]
+    without: Float64[np.ndarray, "n"]
+    useful: Bool[np.ndarray, "n"]
+    better_than_none: Bool[np.ndarray, "n"]
+    average_with_tool: float
+    average_without: float
+
+    @property
+    def useful_on_average(self) -> bool:
+        """Whether the average with the tool is above 0."""
+        return self.average_with_tool > _NOTHING
+
+    @property
+    def better_than_none_on_average(self) -> bool:
+        """Whether the average with the tool is above that without."""
+        return self.average_with_tool > self.average_without + _NOTHING
+
+
+def usefulness(
+    world: World, horizon: int, slip: float = 0.0, **options: Unpack[Options]
+) -> Usefulness:
+    """Whether the world's tool is of use for its object.
+
+    Args:
+        world: the map, with a tool.
+        horizon: h, in actions.
+        slip: as in `tabulate`.
+        **options: of `empowerment`.
+
+    Raises:
+        ValueError: the world has no tool, or as in `empowerment`.
+
+    Example:
+        >>> from habilis.worlds.world import load_world
+        >>> picker = usefulness(load_world("yard", tool="picker"), horizon=3)
+        >>> picker.better_than_none_on_average, round(float(picker.better_than_none.mean()), 2)
+        (True, 0.16)
+    """
+    if world.tool == NO_TOOL:
+        raise ValueError(f"{world.name} has no tool to judge; give it one, as with_tool('broom')")
+    mdp, bare = tabulate(world, slip), tabulate(world.with_tool(NO_TOOL), slip)
+    states = np.flatnonzero(compared_states(mdp))
+    with_tool = empowerment(mdp, horizon, "object", states=states, **options)
+    alone, gap = empowerment(bare, horizon, "object", return_gap=True, **options)
+    same = _same_placement(mdp, bare)[states]
+    return Usefulness(
+        states,
+        with_tool,
+        alone[same],
+        with_tool > _NOTHING,
+        # What noise leaves open is not called better: the true values may differ by their gaps.
+        with_tool > alone[same] + np.maximum(gap[same], _NOTHING),
+        float(with_tool.mean()),
+        float(alone.mean()),
+    )
+
+
+def _same_placement(mdp: TabularMDP, bare: TabularMDP) -> Int64[np.ndarray, "S"]:
+    """For every state the state of the bare world with agent and object in the same cells."""
+
+    def key(table: TabularMDP) -> Int64[np.ndarray, "S"]:
+        cells = int(max(bare.factor("agent").max(), bare.factor("object").max())) + 1
+        return table.factor("agent").astype(np.int64) * cells + table.factor("object")
+
+    keys = key(bare)
+    order = np.argsort(keys)
+    return order[np.searchsorted(keys[order], key(mdp))]
