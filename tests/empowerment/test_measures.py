@@ -3,7 +3,7 @@ import polars as pl
 import pytest
 
 import habilis as hb
-from habilis.benchmarks.empowerment import enumerate_sequences
+from habilis.benchmarks.counting import enumerate_sequences
 from habilis.empowerment.measures import (
     average_empowerment,
     compare,

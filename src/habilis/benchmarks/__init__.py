@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import Any
 
-BENCHMARKS = ("empowerment", "worlds", "learning")
+BENCHMARKS = ("empowerment", "scale", "worlds", "learning")
 _NEEDS_LEARNING = ("learning",)
 
 

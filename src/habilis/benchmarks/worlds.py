@@ -1,7 +1,7 @@
 """Tables: placements a second."""
 
 from habilis.benchmarks import Result, best_seconds
-from habilis.benchmarks.empowerment import room
+from habilis.benchmarks.counting import room
 from habilis.worlds.plans import solve
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import load_world

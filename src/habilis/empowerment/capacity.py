@@ -95,8 +95,9 @@ def certified(channel: "csr_array", tolerance: float) -> Capacity:
     from habilis.empowerment.channels import bounds, neg_entropies
 
     smaller, group, _ = merge_rows(channel)
-    columns, _, _ = merge_rows(smaller.T.tocsr(), add=True)
-    small = columns.T.tocsr()
+    outputs = smaller.T.tocsr()
+    merged, _, _ = merge_rows(outputs, add=True)
+    small = smaller if merged is outputs else merged.T.tocsr()
     inputs = _over_parts(small, tolerance * np.log(2) / 2)
     inputs = inputs[group] / np.bincount(group)[group]
     inputs /= inputs.sum()

@@ -16,6 +16,7 @@ from numba import njit
 from habilis.empowerment.blocks import in_blocks
 
 _WORD = 64
+_FEW_WORDS = 4
 
 
 def count_backward(
@@ -38,7 +39,7 @@ def count_backward(
     for _ in range(horizon):
         before, after = sets, spare
         changed = in_blocks(
-            lambda a, b, before=before, after=after: _unite(next_state, before, after, a, b),
+            lambda a, b, before=before, after=after: unite(next_state, before, after, a, b),
             len(labels),
             operations,
             threads,
@@ -50,7 +51,7 @@ def count_backward(
 
 
 @njit(cache=True, nogil=True)
-def _unite(
+def unite(
     next_state: Int32[np.ndarray, "S A"],
     sets: UInt64[np.ndarray, "S W"],
     out: UInt64[np.ndarray, "S W"],
@@ -59,13 +60,25 @@ def _unite(
 ) -> bool:
     """One step backward: out[s] = union over a of sets[next(s, a)]; says if anything changed."""
     changed = False
-    for s in range(begin, end):
+    if sets.shape[1] <= _FEW_WORDS:  # a word stays in a register while its successors' come
+        for s in range(begin, end):
+            for w in range(sets.shape[1]):
+                word = np.uint64(0)
+                for a in range(next_state.shape[1]):
+                    word |= sets[next_state[s, a], w]
+                out[s, w] = word
+                changed |= word != sets[s, w]
+        return changed
+    for s in range(begin, end):  # whole sets at a time, several words in one instruction
+        first = next_state[s, 0]
         for w in range(sets.shape[1]):
-            word = np.uint64(0)
-            for a in range(next_state.shape[1]):
-                word |= sets[next_state[s, a], w]
-            out[s, w] = word
-            changed |= word != sets[s, w]
+            out[s, w] = sets[first, w]
+        for a in range(1, next_state.shape[1]):
+            t = next_state[s, a]
+            for w in range(sets.shape[1]):
+                out[s, w] |= sets[t, w]
+        for w in range(sets.shape[1]):
+            changed |= out[s, w] != sets[s, w]
     return changed
 
 
