@@ -70,10 +70,10 @@ def test_no_window_is_used_that_saves_nothing():
 
 def big_world() -> World:
     """Large enough for windows, and walled so that there are few placements."""
-    rows = ["#" * 30 for _ in range(30)]
-    rows[3] = "#" * 5 + "A.P...C..G" + "#" * 15
-    rows[4] = "#" * 5 + ".........." + "#" * 15
-    rows[5] = "#" * 5 + "...#......" + "#" * 15
+    rows = ["#" * 36 for _ in range(36)]
+    rows[3] = "#" * 5 + "A.P...C..G" + "#" * 21
+    rows[4] = "#" * 5 + ".........." + "#" * 21
+    rows[5] = "#" * 5 + "...#......" + "#" * 21
     return World.parse("\n".join(rows), name="big")
 
 
@@ -84,7 +84,7 @@ def test_a_large_map_counts_as_if_every_cell_had_its_bit(tool: str, sensor: str)
     mdp = hb.tabulate(world)
     if sensor not in mdp.factors:
         return
-    assert windows.worth_a_window((30, 30))
+    assert windows.worth_a_window((36, 36))
     for horizon in (0, 1, 4, 50):
         cells = mdp.factor(sensor)
         plain = hb.empowerment(mdp, horizon, cells)  # labels: no window
@@ -104,7 +104,7 @@ def test_the_window_is_what_is_used_on_a_large_map(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(windows, "count_in_window", spy)
     hb.empowerment(hb.tabulate(big_world()), 2, "object")
-    assert [window.words for window in used] == [1]  # of 15 for all 900 cells
+    assert [window.words for window in used] == [1]  # of 21 for all 1,296 cells
 
 
 def test_more_cells_than_bits_are_worth_are_counted_forward():

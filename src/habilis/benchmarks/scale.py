@@ -14,7 +14,7 @@ from habilis.empowerment import empowerment
 from habilis.processors import processors
 from habilis.worlds.table import tabulate
 
-_SIDE, _SMALLER, _HUGE = 40, 20, 200
+_SIDE, _SMALLER, _HUGE = 40, 33, 200
 
 
 def results() -> list[Result]:

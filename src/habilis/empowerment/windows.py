@@ -14,7 +14,7 @@ from numba import njit
 from habilis.empowerment.blocks import in_blocks
 
 _WORD = 64
-_WORTHWHILE = 8  # words of the whole map below which no window is looked for
+_WORTHWHILE = 16  # words of the whole map up to which it is as fast without a window
 _LARGEST = 30_000  # rows or columns that fit the extents' 16 bits
 
 
