@@ -100,8 +100,8 @@ class TabularMDP:
         """An MDP from its transition probabilities.
 
         Args:
-            P: float[S, A, S], the probability of each next state, or a sequence of A matrices
-                [S, S], dense or scipy.sparse.
+            P: float[S, A, S], the probability of each next state, or a sequence of A scipy.sparse
+                matrices [S, S]. (Dense matrices, one an action: `np.stack(matrices, axis=1)`.)
             reward: float[S, A], the mean over next states; zero everywhere if left out.
             terminal: bool[S]; nowhere if left out.
             start: the state in which episodes begin.
