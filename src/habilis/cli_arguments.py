@@ -170,7 +170,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--samples", type=int, default=1000, help="sequences (default 1000)")
     parser.add_argument("--seed", type=int, default=0, help="of the samples (default 0)")
-    parser.add_argument("--threads", type=int, help="default: as many as there are processors")
+    parser.add_argument("--threads", type=int, help="how many work side by side")
     parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
     parser.add_argument("--max-seconds", type=float, default=3600.0, help="limit (default 3600)")
 

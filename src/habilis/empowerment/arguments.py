@@ -8,7 +8,6 @@ from jaxtyping import Int64
 
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
-from habilis.processors import processors
 
 Unit = Literal["bits", "nats"]
 
@@ -41,11 +40,6 @@ def per_bit(unit: Unit) -> float:
     if unit not in sizes:
         raise ValueError(f"unit is {unit!r}; use 'bits' or 'nats'")
     return sizes[unit]
-
-
-def thread_count(threads: int | None) -> int:
-    """How many threads to use: as many as there are processors if nobody says."""
-    return processors() if threads is None else at_least_one("threads", threads)
 
 
 def chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int64[np.ndarray, "A"]:

@@ -14,12 +14,12 @@ from habilis.empowerment.arguments import (
     chosen_states,
     per_bit,
     positive,
-    thread_count,
     whole_number,
 )
 from habilis.empowerment.capacity import checked_tolerance, warn_of_gap
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
+from habilis.processors import processors
 from habilis.worlds.reach import Placement, reachable
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
@@ -120,8 +120,9 @@ def empowerment(
             bound; its gap then reaches up to what no sequences could exceed.
         samples: how many sequences of a state "sampled" draws, uniformly and with replacement.
         seed: of the sampling; a state's sequences do not depend on which others are asked about.
-        threads: how many work side by side; by default as many as there are processors. The
-            values are the same for any number.
+        threads: how many work side by side; the values are the same for any number. By default
+            as many as there are processors; one where channels are noisy, because there the
+            linear algebra uses the processors by itself.
         max_gib: memory in GiB that a noisy channel's beliefs may take.
         max_seconds: time in seconds that they may take, by an estimate made before the start.
 
@@ -149,7 +150,8 @@ def empowerment(
     scale = per_bit(unit)
     if method not in ("exact", "sampled"):
         raise ValueError(f"method is {method!r}; use 'exact' or 'sampled'")
-    threads = thread_count(threads)
+    if threads is not None:
+        threads = at_least_one("threads", threads)
     tolerance = checked_tolerance(tolerance) / scale
     samples, seed = at_least_one("samples", samples), whole_number("seed", seed)
     max_gib, max_seconds = positive("max_gib", max_gib), positive("max_seconds", max_seconds)
@@ -157,7 +159,8 @@ def empowerment(
         mdp, states = _around(mdp, horizon, sensor, states)
     used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
     if not mdp.is_stochastic and not is_noisy(sensor) and method == "exact":
-        bits = _counted(mdp, horizon, sensor, used, None if states is None else starts, threads)
+        counters = threads or processors()
+        bits = _counted(mdp, horizon, sensor, used, None if states is None else starts, counters)
         gap = np.zeros(len(bits))
     else:
         from habilis.empowerment import stochastic
@@ -165,6 +168,7 @@ def empowerment(
         from habilis.empowerment.open_loop import problem_of
 
         problem = problem_of(mdp, horizon, sensor, used, tolerance)
+        threads = threads or 1
         if method == "sampled":
             bits, gap = stochastic.lower_bounds(problem, starts, samples, seed, threads)
         else:
