@@ -87,7 +87,7 @@ def test_rules_that_forget_what_lasts_are_noticed(monkeypatch):
         mdp = corridor().mdp
         next_state = mdp.next_state.copy()
         next_state[:, :] = np.random.default_rng(0).permutation(mdp.states)[:, None]
-        return [replace(mdp, next_state=next_state)]
+        return [replace(mdp, transitions=next_state)]
 
     monkeypatch.setattr(first_statements, "_tables_with_tools", broken)
     assert not first_statements.equipped_lasts().holds
