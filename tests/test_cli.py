@@ -13,7 +13,7 @@ from habilis.cli import main
 from habilis.empowerment.measures import world_landscape
 
 VERBS = (
-    *("worlds", "solve", "empowerment", "landscape", "compare"),
+    *("worlds", "solve", "empowerment", "landscape", "futures", "compare"),
     *("train", "watch", "reproduce", "bench"),
 )
 
@@ -97,6 +97,46 @@ def test_empowerment_writes_every_state(capsys, tmp_path, suffix):
     assert round(summary["mean_equipped"], 4) == 1.3886
 
 
+def test_empowerment_of_a_gymnasium_environment_is_certified(capsys):
+    status, found = run_json(capsys, "empowerment", "gym:FrozenLake-v1", "--horizon", "3")
+    assert (status, found["states"]) == (0, 16)
+    assert found["mean"] == pytest.approx(0.4852, abs=1e-4)
+    assert 0 < found["gap"] <= 1e-6
+    sure = "gym:FrozenLake-v1?is_slippery=False&map_name=8x8"
+    _, found = run_json(capsys, "empowerment", sure, "--horizon", "1")
+    assert (found["states"], found["max"], found["gap"]) == (64, 2, 0)
+
+
+def test_slip_lowers_empowerment_and_nats_are_fewer_than_bits(capsys, tmp_path):
+    (tmp_path / "small.txt").write_text("A.C.\nP..G\n....\n")
+    small = str(tmp_path / "small.txt")
+    asked = ("compare", small, "--tools", "picker,none", "--horizon", "2")
+    _, sure = run_json(capsys, *asked)
+    _, noisy = run_json(capsys, *asked, "--slip", "0.2")
+    _, nats = run_json(capsys, *asked, "--unit", "nats")
+    for tool, bits in sure["averages"].items():
+        assert noisy["averages"][tool] < bits
+        assert nats["averages"][tool] == pytest.approx(bits * np.log(2))
+
+
+def test_futures_are_what_the_picker_can_do_to_an_attached_can(capsys, tmp_path):
+    beside = ("--agent-at", "8,5", "--tool-at", "8,4", "--horizon", "3", "--sensor", "object")
+    picture = tmp_path / "futures.png"
+    _, found = run_json(capsys, "futures", "yard", *beside, "--out", str(picture))
+    assert found["empowerment"] == pytest.approx(np.log2(len(found["observations"])))
+    assert sum(found["probability"]) == pytest.approx(1)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    mdp = hb.tabulate(hb.load_world("yard"))
+    state = mdp.find(agent=(8, 5), tool=(8, 4), object=(8, 3))
+    reached = set()
+    for sequence in found["sequences"]:
+        at = state
+        for action in sequence:
+            at = mdp.next_state[at, action]
+        reached.add(int(mdp.factor("object")[at]))
+    assert reached == set(found["observations"])
+
+
 def test_actions_are_named_or_listed(capsys):
     means = {}
     for actions in ("all", "moves", "tool", "0,1,2,3"):
@@ -143,6 +183,24 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         (["empowerment", "yard", "--horizon", "1", "--out", "f.txt"], ".csv or .parquet"),
         (["empowerment", "yard", "--horizon", "1", "--actions", "jump"], "all, moves, tool"),
         (["empowerment", "yard", "--horizon", "1", "--actions", "9"], "indices from 0 to 7"),
+        (["empowerment", "gym:No-v0", "--horizon", "1"], "No-v0"),
+        (
+            ["empowerment", "gym:CartPole-v1", "--horizon", "1", "--max-states", "99"],
+            "gym:CartPole-v1: more than 99 states can be reached",
+        ),
+        (["empowerment", "yard", "--horizon", "1", "--max-states", "99"], "more than 99"),
+        (["empowerment", "yard", "--horizon", "1", "--max-states", "0"], "more than 0"),
+        (["empowerment", "gym:Taxi-v4", "--horizon", "1", "--max-states", "9"], "has 500 states"),
+        (["empowerment", "gym:Taxi-v4", "--horizon", "1", "--tool", "broom"], "--tool"),
+        (["empowerment", "gym:Taxi-v4", "--horizon", "1", "--sensor", "key"], "passenger"),
+        (
+            ["empowerment", "yard", "--horizon", "9", "--slip", "0.1", "--max-seconds", "1"],
+            "horizon",
+        ),
+        (["compare", "yard", "--horizon", "1", "--slip", "1.5"], "give a probability"),
+        (["compare", "yard", "--horizon", "1", "--unit", "dits"], "invalid choice: 'dits'"),
+        (["futures", "yard", "--horizon", "1", "--agent-at", "2,2"], "put it on a free cell"),
+        (["futures", "yard", "--horizon", "1", "--out", "f.png"], "a picture needs cells"),
         (["train", "yard", "--runs", "0", "--out", "run"], "runs is 0; give at least 1"),
         (["train", "yard", "--intrinsic", "smell", "--beta", "1", "--out", "run"], "smell"),
         (["train", "yard", "--intrinsic", "object", "--out", "run"], "give both a sensor and"),

@@ -14,6 +14,7 @@ import habilis
 from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, parser
 from habilis.extras import MissingExtraError, import_from
 from habilis.worlds.rules import ACTIONS
+from habilis.worlds.table import MAX_STATES
 from habilis.worlds.world import NO_TOOL, load_world, world_names
 
 
@@ -128,14 +129,15 @@ def empowerment(args: Args) -> int:
 def _table(args: Args) -> habilis.TabularMDP:
     """The table of a world or, as `gym:ID`, of a Gymnasium environment."""
     if not args.world.startswith(PREFIX):
-        return habilis.tabulate(load_world(args.world, args.tool), slip=args.slip)
+        world = load_world(args.world, args.tool)
+        limit = MAX_STATES if args.max_states is None else args.max_states
+        return habilis.tabulate(world, args.slip, max_states=limit)
     if args.tool is not None:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
     from habilis.gymnasium_tables import table_named
 
-    mdp = table_named(
-        args.world.removeprefix(PREFIX), show_progress=sys.stderr.isatty() and not args.json
-    )
+    name, show = args.world.removeprefix(PREFIX), sys.stderr.isatty() and not args.json
+    mdp = table_named(name, args.max_states, show)
     return mdp.slippery(args.slip) if args.slip else mdp
 
 
@@ -244,7 +246,9 @@ def futures(args: Args) -> int:
                 "seen": found.seen.tolist(),
             }
         )
-    print(f"{found.empowerment:.4f} {found.unit}, {len(found.observations)} possible observations")
+    count = len(found.observations)
+    possible = f"{count} possible observation{'s' if count > 1 else ''}"
+    print(f"{found.empowerment:.4f} {found.unit}, {possible}")
     shown = list(zip(found.probability, found.sequences, strict=True))
     for probability, sequence in shown[:20]:
         print(f"{probability:8.2%}  {sequence_text(mdp, sequence)}")

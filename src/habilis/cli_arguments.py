@@ -63,6 +63,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _world(v, or_environment=True)
     _measure(v)
     _options(v)
+    v.add_argument("--max-states", type=int, metavar="N", help="how many states to accept")
     v.add_argument("--out", type=Path, metavar="F.csv", help="all values (.csv or .parquet)")
 
     v = verb(
@@ -80,7 +81,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v = verb(
         "futures",
         "what the agent would choose among, where the map has it",
-        "habilis futures yard --sensor object --horizon 3 --out futures.png",
+        "habilis futures yard --sensor object --horizon 3 --agent-at 8,5 --tool-at 8,4",
     )
     _world(v)
     _measure(v)

@@ -4,6 +4,7 @@ From the environment's own table `P` where it has one (`transition_dict`), other
 through every state that can be reached (`enumeration`).
 """
 
+import ast
 import json
 from collections.abc import Callable, Hashable, Mapping
 from typing import Any
@@ -29,16 +30,24 @@ def table_of(
     if not hasattr(inner, "action_space"):
         raise ValueError(f"{env!r} is no Gymnasium environment; give what gymnasium.make returns")
     if hasattr(inner, "P"):
+        if len(inner.P) > max_states:
+            raise ValueError(
+                f"the table P has {len(inner.P):,} states, more than {max_states:,}; "
+                "raise max_states"
+            )
         return table_of_dict(inner)
     return enumerate_states(env, max_states, seed, key, factors, show_progress)
 
 
-def table_named(name: str, show_progress: bool = False) -> TabularMDP:
+def table_named(
+    name: str, max_states: int | None = None, show_progress: bool = False
+) -> TabularMDP:
     """The table of an environment by its name on the command line.
 
     Args:
         name: its ID, with its arguments as in `FrozenLake-v1?map_name=8x8&is_slippery=false`; a
             package that registers it is named before it: `minigrid:MiniGrid-DoorKey-5x5-v0`.
+        max_states: as in `TabularMDP.from_gymnasium`, and by default as many.
         show_progress: whether to draw a progress bar.
 
     Raises:
@@ -48,14 +57,20 @@ def table_named(name: str, show_progress: bool = False) -> TabularMDP:
     identity, _, query = name.partition("?")
     registration = import_from("habilis.gymnasium_tables.registration", "gymnasium")
     env = registration.made(identity, {k: _value(v) for k, v in parse_qsl(query)})
+    limit: Any = {} if max_states is None else {"max_states": max_states}
     try:
-        return TabularMDP.from_gymnasium(env, show_progress=show_progress)
+        return TabularMDP.from_gymnasium(env, show_progress=show_progress, **limit)
+    except ValueError as error:
+        raise ValueError(f"gym:{identity}: {error}") from None
     finally:
         env.close()
 
 
 def _value(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except json.JSONDecodeError:
-        return text
+    """A value as JSON has it or as Python does, or else the text itself."""
+    for read in (json.loads, ast.literal_eval):
+        try:
+            return read(text)
+        except (ValueError, SyntaxError):
+            continue
+    return text

@@ -40,7 +40,7 @@ def enumerate_states(
                 step = _certain_step(saved, found[state], action, state, mark)
                 successor = place.setdefault(step.identity, len(found))
                 if successor == len(found):
-                    if successor == max_states:
+                    if successor >= max_states:
                         raise ValueError(
                             f"more than {max_states:,} states can be reached, {state:,} of them "
                             "looked into; raise max_states, or give a key= that leaves out "
