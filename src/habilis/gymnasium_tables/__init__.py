@@ -29,11 +29,11 @@ def table_of(
     inner = getattr(env, "unwrapped", None)
     if not hasattr(inner, "action_space"):
         raise ValueError(f"{env!r} is no Gymnasium environment; give what gymnasium.make returns")
-    if hasattr(inner, "P"):
-        if len(inner.P) > max_states:
+    table = getattr(inner, "P", None)
+    if table is not None:
+        if len(table) > max_states:
             raise ValueError(
-                f"the table P has {len(inner.P):,} states, more than {max_states:,}; "
-                "raise max_states"
+                f"the table P has {len(table):,} states, more than {max_states:,}; raise max_states"
             )
         return table_of_dict(inner)
     return enumerate_states(env, max_states, seed, key, factors, show_progress)
