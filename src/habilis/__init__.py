@@ -19,6 +19,10 @@ from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world, world_names
 
 if TYPE_CHECKING:
+    from habilis.learning.algorithms import A2C as A2C
+    from habilis.learning.algorithms import PPO as PPO
+    from habilis.learning.algorithms import QLearning as QLearning
+    from habilis.learning.algorithms import SoftValueIteration as SoftValueIteration
     from habilis.learning.config import Config as Config
     from habilis.learning.train import train as train
     from habilis.studies.reproduce import reproduce as reproduce
@@ -40,6 +44,9 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
 ]
 
 _LEARNING = {
+    **dict.fromkeys(
+        ("A2C", "PPO", "QLearning", "SoftValueIteration"), "habilis.learning.algorithms"
+    ),
     "Config": "habilis.learning.config",
     "train": "habilis.learning.train",
     "reproduce": "habilis.studies.reproduce",

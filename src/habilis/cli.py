@@ -263,13 +263,19 @@ def train(args: Args) -> int:
     from habilis.learning.arguments import config_from_args
 
     learning = import_from("habilis.learning.train", "learn")
-    folder = import_from("habilis.learning.folder", "learn")
     display = import_from("habilis.learning.display", "learn")
     config = config_from_args(args)
-    folder.check_unused(args.out)
-    with display.progress_bars([args.world]) as show:
-        run = learning.train(config, show)
-    folder.save_run(run, args.out)
+    try:
+        with display.progress_bars([args.world]) as show:
+            run = learning.train(
+                config,
+                show,
+                out=args.out,
+                resume=args.resume,
+                checkpoint_seconds=args.checkpoint_seconds,
+            )
+    except KeyboardInterrupt as stop:
+        return _refuse(str(stop) or "interrupted", status=130)
     finished = [at for at in run.converged_at if at is not None]
     summary = {
         "best_return": run.best_return,

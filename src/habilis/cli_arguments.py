@@ -112,6 +112,9 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     add_config_arguments(v)
     v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
+    v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
+    seconds = "time between checkpoints (default 10)"
+    v.add_argument("--checkpoint-seconds", type=float, default=10.0, metavar="S", help=seconds)
 
     v = verb("watch", "replay what an agent learned", "habilis watch runs/toe --gif toe.gif")
     v.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")

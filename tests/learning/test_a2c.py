@@ -1,50 +1,35 @@
 """Probes: tiny tasks with known answers, each of which one kind of mistake would break."""
 
 from dataclasses import replace
+from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from probes import learn, row
 
-from habilis.learning.a2c import Shape, _optimizer, actor_critic_loss, advance, start_lanes
+from habilis.learning.a2c import actor_critic_loss
+from habilis.learning.actor_critic import Learner, descended, direction
+from habilis.learning.algorithms import A2C
 from habilis.learning.config import Config
-from habilis.learning.networks import ActorCritic
-from habilis.learning.train import make_settings, make_task
+from habilis.learning.lanes import advance
+from habilis.learning.networks import Network
+from habilis.learning.rollout import Context
 from habilis.mdp import TabularMDP
 
 QUICK = Config(
-    envs=8, rollout=4, learning_rate=5e-3, entropy=0.001, discount=0.5, hidden=(16,), seed=3
+    algorithm=A2C(envs=8, rollout=4, learning_rate=5e-3, entropy=0.001, discount=0.5, hidden=(16,)),
+    seed=3,
 )
-
-
-def learn(mdp, config=QUICK, updates=1500, bonus=None):
-    """Trains one agent; returns its policy's probabilities and its values in all states."""
-    task, rows = make_task(mdp)
-    shape = Shape(config.envs, config.rollout, config.optimizer, config.hidden, rows)
-    settings = make_settings([config], np.zeros((1, mdp.states)) if bonus is None else bonus)
-    lanes = start_lanes(task, settings, shape, jax.random.key(config.seed)[None])
-    lanes, log = advance(task, settings, lanes, shape, updates)
-    network = jax.tree.map(lambda leaf: leaf[0], lanes.network)
-    logits, values = network(task.inputs)
-    return np.asarray(jax.nn.softmax(logits)), np.asarray(values), log
-
-
-def cycle(states, actions, reward, terminal_last=True):
-    """States in a row, whatever is done; the last is terminal."""
-    next_state = np.minimum(np.arange(states)[:, None] + 1, states - 1)
-    terminal = np.arange(states) == states - 1
-    return TabularMDP.deterministic(
-        np.repeat(next_state, actions, axis=1), reward, terminal & terminal_last
-    )
+BONUS = {"intrinsic": "state", "beta": 1.0}
 
 
 def test_it_solves_the_identity_task():
     """In state k action k is right: policy gradient, sampling, and the state it is shown."""
     reward = np.zeros((4, 3))
     reward[[0, 1, 2], [0, 1, 2]] = 1
-    policy, _, _ = learn(cycle(4, 3, reward))
+    policy, _ = learn(row(4, 3, reward), QUICK)[:2]
     assert (policy[[0, 1, 2], [0, 1, 2]] > 0.9).all()
 
 
@@ -55,17 +40,17 @@ def test_it_solves_the_two_state_task():
         reward=[[0.3, 0.0], [1.0, 1.0], [0.0, 0.0]],
         terminal=[False, False, True],
     )
-    patient, values, _ = learn(mdp, replace(QUICK, discount=0.9))
+    patient, values = learn(mdp, QUICK.changed(discount=0.9))[:2]
     assert patient[0, 1] > 0.9
     np.testing.assert_allclose(values[:2], [0.9, 1.0], atol=0.1)
-    hasty, values, _ = learn(mdp, replace(QUICK, discount=0.1))
+    hasty, values = learn(mdp, QUICK.changed(discount=0.1))[:2]
     assert hasty[0, 0] > 0.9
     assert values[0] == pytest.approx(0.3, abs=0.1)
 
 
 def test_the_value_of_a_state_before_the_end_is_its_reward():
     """Termination must not bootstrap: the state after the end is worth nothing."""
-    _, values, _ = learn(cycle(2, 1, [[1.0], [0.0]]))
+    _, values = learn(row(2, 1, [[1.0], [0.0]]), QUICK)[:2]
     assert values[0] == pytest.approx(1.0, abs=0.05)
 
 
@@ -73,7 +58,7 @@ def test_the_value_under_truncation_is_that_of_the_endless_task():
     """Reward 1 for ever, cut off every 4 steps: worth 1 / (1 - 0.5), not 1 + 1/2 + 1/4 + 1/8."""
     mdp = TabularMDP.deterministic([[0]], reward=[[1.0]])
     for limit in (4, 5):
-        _, values, _ = learn(mdp, replace(QUICK, episode_limit=limit, rollout=4))
+        _, values = learn(mdp, QUICK.changed(episode_limit=limit, rollout=4))[:2]
         assert values[0] == pytest.approx(2.0, abs=0.05)
 
 
@@ -82,58 +67,48 @@ def test_the_state_that_a_truncated_step_led_to_is_what_is_bootstrapped_from():
     next_state = [[1], [2], [3], [3]]
     reward = [[0.0], [0.0], [0.0], [5.0]]
     mdp = TabularMDP.deterministic(next_state, reward)
-    _, values, _ = learn(mdp, replace(QUICK, episode_limit=4))
+    _, values = learn(mdp, QUICK.changed(episode_limit=4))[:2]
     np.testing.assert_allclose(values, [1.25, 2.5, 5.0, 10.0], rtol=0.1)
 
 
 def test_an_episode_is_counted_from_its_first_to_its_last_step():
     """Return, length and flags of what ended, by termination here and by truncation there."""
-    mdp = cycle(4, 1, [[-1.0], [-1.0], [0.0], [0.0]])
+    mdp = row(4, 1, [[-1.0], [-1.0], [0.0], [0.0]])
     mdp = replace(mdp, flags={"late": np.array([False, False, True, True])})
-    _, _, log = learn(mdp, updates=10)
-    episodes = np.asarray(log.tally)[np.asarray(log.ended)]
-    np.testing.assert_array_equal(np.unique(episodes, axis=0), [[3, -2, 2]])
-    _, _, log = learn(mdp, replace(QUICK, episode_limit=2, rollout=2), updates=10)
-    episodes = np.asarray(log.tally)[np.asarray(log.ended)]
-    np.testing.assert_array_equal(np.unique(episodes, axis=0), [[2, -2, 1]])
+    found = learn(mdp, QUICK, updates=10)
+    np.testing.assert_array_equal(np.unique(found.episodes, axis=0), [[3, -2, 2]])
+    found = learn(mdp, QUICK.changed(episode_limit=2, rollout=2), updates=10)
+    np.testing.assert_array_equal(np.unique(found.episodes, axis=0), [[2, -2, 1]])
 
 
 def test_the_bonus_is_that_of_the_state_the_step_leads_to():
     """Two ways that differ only in the bonus of where they lead; the return does not have it."""
     mdp = TabularMDP.deterministic([[1, 2], [3, 3], [3, 3], [3, 3]], terminal=[0, 0, 0, 1])
-    bonus = np.array([[0.0, 0.0, 1.0, 0.0]])
-    policy, values, log = learn(mdp, bonus=bonus)
-    assert policy[0, 1] > 0.9
-    assert values[0] == pytest.approx(1.0, abs=0.1)
-    assert (np.asarray(log.tally)[np.asarray(log.ended)][:, 1] == 0).all()
+    found = learn(mdp, QUICK.changed(**BONUS), table=[0.0, 0.0, 1.0, 0.0])
+    assert found.policy[0, 1] > 0.9
+    assert found.values[0] == pytest.approx(1.0, abs=0.1)
+    assert (found.episodes[:, 1] == 0).all()
 
 
 def test_reward_scale_scales_what_is_learned_and_not_what_is_counted():
-    mdp = cycle(2, 1, [[1.0], [0.0]])
-    _, values, log = learn(mdp, replace(QUICK, reward_scale=0.5))
-    assert values[0] == pytest.approx(0.5, abs=0.05)
-    assert (np.asarray(log.tally)[np.asarray(log.ended)][:, 1] == 1).all()
+    mdp = row(2, 1, [[1.0], [0.0]])
+    found = learn(mdp, QUICK.changed(reward_scale=0.5))
+    assert found.values[0] == pytest.approx(0.5, abs=0.05)
+    assert (found.episodes[:, 1] == 1).all()
 
 
 def test_entropy_keeps_the_policy_mixed():
     reward = [[1.0, 0.0], [0.0, 0.0]]
-    sharp, _, _ = learn(cycle(2, 2, reward))
-    mixed, _, _ = learn(cycle(2, 2, reward), replace(QUICK, entropy=1.0))
+    sharp, _ = learn(row(2, 2, reward), QUICK)[:2]
+    mixed, _ = learn(row(2, 2, reward), QUICK.changed(entropy=1.0))[:2]
     # The best of p + H(p) is the softmax of the rewards.
     assert mixed[0, 0] == pytest.approx(np.e / (1 + np.e), abs=0.05)
     assert sharp[0, 0] > 0.95
 
 
 def test_the_loss_is_the_formula_by_hand():
-    network = ActorCritic(2, 1, 2, (1,), jax.random.key(0))
-    network = eqx.tree_at(
-        lambda n: (n.embedding, n.layers[0]),
-        network,
-        (jnp.zeros((2, 1)), (jnp.zeros((1, 3)), jnp.array([jnp.log(3.0), 0.0, 2.0]))),
-    )
     loss = actor_critic_loss(
-        network,
-        jnp.array([[0], [1]]),
+        jnp.array([[jnp.log(3.0), 0.0, 2.0]] * 2),
         jnp.array([0, 1]),
         jnp.array([2.0, -1.0]),
         jnp.array([5.0, 2.0]),
@@ -152,6 +127,8 @@ def test_the_loss_is_the_formula_by_hand():
         {"learning_rate": 1e-3},
         {"clip": 1e-3},
         {"entropy": 0.5},
+        {"entropy": 0.5, "entropy_end": 0.1, "entropy_steps": 100},
+        {"normalise": True},
         {"value": 2.0},
         {"discount": 0.9},
         {"gae_lambda": 0.2},
@@ -169,20 +146,41 @@ def test_every_setting_changes_what_is_learned(change):
     next_state = np.array([[1, 0, 2], [2, 0, 1], [3, 1, 0], [3, 3, 3]])
     reward = np.array([[-1, -2, 0], [-1, 1, -1], [0, -1, 2], [0, 0, 0]], float)
     mdp = TabularMDP.deterministic(next_state, reward, np.arange(4) == 3)
-    policy, values, _ = learn(mdp, updates=20)
-    other_policy, other_values, _ = learn(mdp, replace(QUICK, **change), updates=20)
+    policy, values = learn(mdp, QUICK, updates=20)[:2]
+    other_policy, other_values = learn(mdp, QUICK.changed(**change), updates=20)[:2]
     assert not np.array_equal(policy, other_policy)
     assert not np.array_equal(values, other_values)
 
 
-def optimizer_step(gradient, **change):
+def test_the_gradient_from_kept_activations_is_that_of_the_loss():
+    network = Network(7, 2, 4, (5, 6), jax.random.key(0), gain=1.0)
+    inputs = jnp.array([[0, 3], [1, 3], [2, 6], [2, 4]])
+    rest = (
+        jnp.array([0, 1, 2, 2]),
+        jnp.array([2.0, -1.0, 0.5, 0.0]),
+        jnp.array([5.0, 2.0, 0.0, 1.0]),
+        0.1,
+        0.5,
+    )
+    wanted = jax.grad(lambda n: actor_critic_loss(n(inputs), *rest))(network)
+    activations = network.activations(inputs)
+    of_outputs = jax.grad(actor_critic_loss)(activations[-1], *rest)
+    found = network.gradient(inputs, activations, of_outputs)
+    assert jax.tree.structure(found) == jax.tree.structure(wanted)
+    for ours, theirs in zip(jax.tree.leaves(found), jax.tree.leaves(wanted), strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-4, atol=1e-6)
+
+
+def optimizer_step(gradient, clip, optimizer="rmsprop"):
     """The first change of the parameters, float[n]."""
-    config = replace(QUICK, learning_rate=0.1, **change)
-    shape = Shape(1, 1, config.optimizer, (1,), 1)
-    settings = jax.tree.map(lambda leaf: leaf[0], make_settings([config], np.zeros((1, 1))))
-    transform = _optimizer(settings, shape)
-    gradient = jnp.asarray(gradient)
-    return np.asarray(transform.update(gradient, transform.init(gradient))[0])
+    algorithm = A2C(optimizer=optimizer)
+    numbers = {"clip": jnp.float32(clip), "learning_rate": jnp.float32(0.1)}
+    nothing: Any = None
+    context = Context(nothing, algorithm, numbers, nothing, nothing, nothing)
+    parameters: Any = jnp.zeros(len(gradient))
+    learner = Learner(parameters, direction(algorithm).init(parameters))
+    changed: Any = descended(context, learner, jnp.asarray(gradient)).parameters  # pyright: ignore
+    return np.asarray(changed)
 
 
 def test_a_gradient_is_clipped_to_its_norm_then_scaled_by_rmsprop():
@@ -200,14 +198,14 @@ def test_adams_first_step_is_its_learning_rate():
 
 
 def test_a_new_agent_is_undecided_and_expects_nothing():
-    policy, values, _ = learn(cycle(4, 3, np.zeros((4, 3))), replace(QUICK, learning_rate=1e-9))
+    policy, values = learn(row(4, 3, np.zeros((4, 3))), QUICK.changed(learning_rate=1e-9))[:2]
     np.testing.assert_allclose(policy, 1 / 3, atol=0.02)
     np.testing.assert_allclose(values, 0, atol=0.05)
 
 
 def test_the_loop_is_compiled_once_for_equal_shapes():
     before = advance._cache_size()  # pyright: ignore[reportAttributeAccessIssue]
-    config = replace(QUICK, hidden=(3,))
-    learn(cycle(2, 1, [[1.0], [0.0]]), config, updates=2)
-    learn(cycle(2, 1, [[2.0], [0.0]]), replace(config, learning_rate=1e-3, seed=8), updates=2)
+    config = QUICK.changed(hidden=(3,))
+    learn(row(2, 1, [[1.0], [0.0]]), config, updates=2)
+    learn(row(2, 1, [[2.0], [0.0]]), config.changed(learning_rate=1e-3, seed=8), updates=2)
     assert advance._cache_size() == before + 1  # pyright: ignore[reportAttributeAccessIssue]

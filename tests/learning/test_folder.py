@@ -13,7 +13,8 @@ from habilis.worlds.table import placement, tabulate
 def run(tmp_path_factory):
     path = tmp_path_factory.mktemp("world") / "room.txt"
     path.write_text("A.\nC.\n..\nG.\n")
-    return train(Config(world=str(path), runs=2, episodes=6_000, episode_limit=50, hidden=(16,)))
+    config = Config(world=str(path), runs=2, episodes=6_000, episode_limit=50)
+    return train(config.changed(hidden=(16,)))
 
 
 @pytest.fixture
@@ -29,7 +30,7 @@ def test_a_run_is_read_back_as_it_was(run, folder):
     assert again.episodes.equals(run.episodes)
     assert again.converged_at == run.converged_at
     assert again.best_return == run.best_return
-    pairs = zip(jax.tree.leaves(run.networks), jax.tree.leaves(again.networks), strict=True)
+    pairs = zip(jax.tree.leaves(run.parameters), jax.tree.leaves(again.parameters), strict=True)
     assert all(np.array_equal(a, b) for a, b in pairs)
 
 
@@ -71,10 +72,10 @@ def test_a_file_that_does_not_fit_is_named(folder, name, content, says):
 
 
 def test_parameters_that_are_not_finite_are_refused(run, folder):
-    broken = jax.tree.map(lambda leaf: leaf * np.nan, run.networks)
+    broken = jax.tree.map(lambda leaf: leaf * np.nan, run.parameters)
     (folder / "parameters.npz").unlink()
     leaves = jax.tree_util.tree_leaves_with_path(broken)
-    arrays = {jax.tree_util.keystr(path): np.asarray(leaf) for path, leaf in leaves}
+    arrays = {f"parameters{jax.tree_util.keystr(path)}": np.asarray(leaf) for path, leaf in leaves}
     np.savez(folder / "parameters.npz", allow_pickle=False, **arrays)
     with pytest.raises(ValueError, match="not finite"):
         load_run(folder)
@@ -129,8 +130,8 @@ def test_a_converged_run_plays_to_the_goal(run):
 
 
 def test_a_policy_that_goes_round_in_circles_stops(run):
-    still = jax.tree.map(np.zeros_like, run.networks)  # always north: into the wall
-    episode = play(type(run)(**{**vars(run), "networks": still}), 0)
+    still = jax.tree.map(np.zeros_like, run.parameters)  # always north: into the wall
+    episode = play(type(run)(**{**vars(run), "parameters": still}), 0)
     assert not episode.finished
     assert len(episode.actions) == 1
 

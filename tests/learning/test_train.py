@@ -1,14 +1,14 @@
-from dataclasses import replace
-
 import jax
 import numpy as np
 import polars as pl
 import pytest
 
 from habilis.empowerment import empowerment
+from habilis.learning.algorithms import A2C
 from habilis.learning.config import Config
+from habilis.learning.intrinsic import value_table
 from habilis.learning.runs import Progress
-from habilis.learning.train import intrinsic_reward, train
+from habilis.learning.train import train
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import load_world
 
@@ -20,21 +20,23 @@ ROOM = "A.\nC.\n..\nG.\n"
 def room(tmp_path):
     path = tmp_path / "room.txt"
     path.write_text(ROOM)
-    return Config(world=str(path), runs=1, episodes=2_500, episode_limit=50, hidden=(16,))
+    return Config(
+        algorithm=A2C(hidden=(16,)), world=str(path), runs=1, episodes=2_500, episode_limit=50
+    )
 
 
 def same(run, other, index, other_index):
     """Whether a run of one configuration is, bit for bit, a run of another."""
     a, b = (r.episodes.filter(run=i).drop("run") for r, i in ((run, index), (other, other_index)))
-    leaves = zip(jax.tree.leaves(run.networks), jax.tree.leaves(other.networks), strict=True)
+    leaves = zip(jax.tree.leaves(run.parameters), jax.tree.leaves(other.parameters), strict=True)
     return a.equals(b) and all(np.array_equal(x[index], y[other_index]) for x, y in leaves)
 
 
 def test_a_run_is_the_same_whatever_trains_beside_it(room):
-    short = replace(room, episodes=300)
+    short = room.changed(episodes=300)
     alone = train(short)
-    many = train(replace(short, runs=7))
-    other = replace(short, intrinsic="object", horizon=2, beta=0.1, learning_rate=1e-3, runs=2)
+    many = train(short.changed(runs=7))
+    other = short.changed(intrinsic="object", horizon=2, beta=0.1, learning_rate=1e-3, runs=2)
     beside, first = train([other, short])
     assert same(alone, many, 0, 0)
     assert same(alone, first, 0, 0)
@@ -43,18 +45,18 @@ def test_a_run_is_the_same_whatever_trains_beside_it(room):
 
 
 def test_a_run_that_ends_early_does_not_change_those_beside_it(room):
-    brief, long = replace(room, episodes=50), replace(room, episodes=400)
+    brief, long = room.changed(episodes=50), room.changed(episodes=400)
     _, beside = train([brief, long])
     assert same(beside, train(long), 0, 0)
 
 
 def test_another_seed_is_another_run(room):
-    short = replace(room, episodes=100)
-    assert not same(train(short), train(replace(short, seed=1)), 0, 0)
+    short = room.changed(episodes=100)
+    assert not same(train(short), train(short.changed(seed=1)), 0, 0)
 
 
 def test_it_learns_to_push_the_can_into_the_bin(room):
-    run = train(replace(room, runs=2, episodes=20_000))
+    run = train(room.changed(runs=2, episodes=20_000))
     assert run.best_return == -1
     assert all(at is not None for at in run.converged_at)
     last = run.episodes.group_by("run").agg(pl.col("return").tail(100).mean())
@@ -62,21 +64,21 @@ def test_it_learns_to_push_the_can_into_the_bin(room):
 
 
 def test_a_run_ends_with_the_episode_in_which_it_converged(room):
-    run = train(replace(room, episodes=20_000))
+    run = train(room.changed(episodes=20_000))
     assert run.converged_at[0] == run.episodes.height
 
 
 def test_a_run_that_does_not_converge_uses_its_budget_and_is_kept(room):
-    by_episodes = train(replace(room, episodes=321))
+    by_episodes = train(room.changed(episodes=321))
     assert by_episodes.converged_at == (None,)
     assert by_episodes.episodes.height == 321
-    by_steps = train(replace(room, episodes=10**9, steps=1))
+    by_steps = train(room.changed(episodes=10**9, steps=1))
     assert by_steps.converged_at == (None,)
     assert by_steps.episodes.height > 0
 
 
 def test_episodes_say_what_happened(room):
-    episodes = train(replace(room, episodes=300)).episodes
+    episodes = train(room.changed(episodes=300)).episodes
     assert episodes.columns == ["run", "episode", "steps", "return", "equipped", "attached"]
     assert (episodes["episode"] == np.arange(300)).all()
     assert episodes["steps"].is_between(2, 50).all()
@@ -86,18 +88,18 @@ def test_episodes_say_what_happened(room):
     assert (episodes["equipped"] == 0).all()
 
 
-def test_the_intrinsic_reward_is_beta_times_the_empowerment():
+def test_the_intrinsic_value_is_the_empowerment():
     mdp = tabulate(load_world("corridor"))
     config = Config(intrinsic="object", horizon=3, beta=0.07)
-    np.testing.assert_allclose(
-        intrinsic_reward(mdp, config), 0.07 * empowerment(mdp, 3, "object"), rtol=1e-12
-    )
-    assert not intrinsic_reward(mdp, replace(config, intrinsic="none", beta=0.0)).any()
+    np.testing.assert_array_equal(value_table(mdp, config), empowerment(mdp, 3, "object"))
+    for other in ("none", "count", "rnd"):
+        changed = config.changed(intrinsic=other, beta=0.0 if other == "none" else 0.1)
+        assert not value_table(mdp, changed).any()
 
 
 def test_progress_is_told_until_the_end(room):
     told: list[Progress] = []
-    train(replace(room, episodes=200, runs=6), told.append)
+    train(room.changed(episodes=200, runs=6), told.append)
     assert told[-1].ended == told[-1].runs == 6
     assert told[-1].share == 1
     assert told[-1].steps_per_second > 0
@@ -111,7 +113,7 @@ def test_a_goal_out_of_reach_is_refused(tmp_path):
 
 def test_a_loss_that_is_not_finite_stops_the_run(room):
     with pytest.raises(FloatingPointError, match="lower learning_rate"):
-        train(replace(room, learning_rate=1e30, clip=1e30))
+        train(room.changed(learning_rate=1e30, clip=1e30))
 
 
 @pytest.mark.parametrize(
@@ -129,15 +131,15 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         ("entropy", float("inf"), "give a finite number"),
         ("seed", 2**32, "give one below 4294967296"),
         ("world", 3, "give a text"),
-        ("beta", 0.1, "give both a sensor and its weight"),
-        ("intrinsic", "object", "give both a sensor and its weight"),
+        ("beta", 0.1, "give both what is added and its weight"),
+        ("intrinsic", "object", "give both what is added and its weight"),
         ("hidden", (), "at least one width"),
         ("rollout", 1000, "no longer than an episode"),
     ],
 )
 def test_a_setting_out_of_range_is_refused(field, value, mend):
     with pytest.raises(ValueError, match=mend):
-        Config(**{field: value})
+        Config().changed(**{field: value})
 
 
 def test_an_unknown_setting_is_refused_with_those_there_are():

@@ -167,7 +167,8 @@ def test_all_rows_of_an_experiment_share_the_frozen_settings():
         settings = frozen_settings(experiment)
         for row in experiment.rows:
             config = row_config(experiment, row, FULL)
-            assert {name: getattr(config, name) for name in settings} == settings
+            values = config.as_dict()
+            assert {name: values[name] for name in settings} == settings
             assert (config.intrinsic, config.beta) == (row.intrinsic, row.beta)
             assert config.runs == 10
 

@@ -1,36 +1,68 @@
-"""A `Config` from the command line: every field is an option of the same name."""
+"""A `Config` from the command line: every field, its algorithm's too, is an option."""
 
 import argparse
-from dataclasses import MISSING, fields
+from dataclasses import Field, fields
+from typing import Any
 
+from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.config import Config
 
-_NOT_OPTIONS = ("world", "tool")  # arguments of every verb that takes a world
+_NOT_OPTIONS = ("world", "tool", "algorithm")  # the first two are arguments of many verbs
 
 
 def add_config_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds an option for each field of `Config`."""
+    """Adds an option for each field of `Config` and of the algorithms."""
     for f in fields(Config):
-        if f.name in _NOT_OPTIONS:
-            continue
-        assert f.default is not MISSING
-        shown = ",".join(map(str, f.default)) if f.name == "hidden" else f.default
-        parser.add_argument(
-            f"--{f.name.replace('_', '-')}",
-            type=_widths if f.name == "hidden" else type(f.default),
-            default=f.default,
-            metavar=f.name.upper(),
-            help=f"{f.metadata['help']} (default {shown})",
-        )
+        if f.name == "algorithm":
+            parser.add_argument(
+                "--algorithm",
+                choices=tuple(ALGORITHMS),
+                default=argparse.SUPPRESS,
+                help="how the agent learns (default a2c)",
+            )
+        elif f.name not in _NOT_OPTIONS:
+            _add(parser, f, f"default {_shown(f.default)}")
+    group = parser.add_argument_group("settings of the algorithm")
+    of_algorithms: dict[str, tuple[Field, dict[str, str]]] = {}
+    for name, kind in ALGORITHMS.items():
+        for f in fields(kind):
+            of_algorithms.setdefault(f.name, (f, {}))[1][name] = _shown(f.default)
+    for f, defaults in of_algorithms.values():
+        by_default: dict[str, list[str]] = {}
+        for name, default in defaults.items():
+            by_default.setdefault(default, []).append(name)
+        told = "; ".join(f"{', '.join(names)}: {value}" for value, names in by_default.items())
+        _add(group, f, told)
 
 
 def config_from_args(args: argparse.Namespace) -> Config:
     """The configuration that the options name.
 
     Raises:
-        ValueError: a value is out of range.
+        ValueError: a value is out of range, or no setting of the algorithm.
     """
-    return Config(**{f.name: getattr(args, f.name) for f in fields(Config)})
+    known = {f.name for kind in (Config, *ALGORITHMS.values()) for f in fields(kind)}
+    given = {name: value for name, value in vars(args).items() if name in known}
+    return Config.from_dict(given)
+
+
+def _add(parser: Any, f: Field, defaults: str) -> None:
+    wanted: Any = type(f.default)
+    kind: dict[str, Any] = {"type": wanted, "metavar": f.name.upper()}
+    if wanted is bool:
+        kind = {"action": argparse.BooleanOptionalAction}
+    elif f.name == "hidden":
+        kind["type"] = _widths
+    parser.add_argument(
+        f"--{f.name.replace('_', '-')}",
+        default=argparse.SUPPRESS,
+        help=f"{f.metadata['help']} ({defaults})".replace("%", "%%"),
+        **kind,
+    )
+
+
+def _shown(value: Any) -> str:
+    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
 def _widths(text: str) -> tuple[int, ...]:

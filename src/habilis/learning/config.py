@@ -1,24 +1,24 @@
 """What a training run is made of."""
 
-from dataclasses import dataclass, field, fields, replace
-from typing import Any, TypeVar
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from habilis.learning.algorithms import A2C, ALGORITHMS, Algorithm, name_of
+from habilis.learning.checks import above_zero, at_least, check_types, one_of, setting
 
 NO_INTRINSIC = "none"
-OPTIMIZERS = ("rmsprop", "adam")
-
-Value = TypeVar("Value")
-
-
-def _setting(default: Value, text: str) -> Value:
-    """A field with its description, which the command line shows as help."""
-    return field(default=default, metadata={"help": text})
+COUNT, DISTILLATION = "count", "rnd"
+NOVELTIES = (COUNT, DISTILLATION)
+SCHEDULES = ("constant", "linear", "exponential")
+EARNED = ("next", "current", "difference")
 
 
 @dataclass(frozen=True)
 class Config:
-    """One row of a table: a world, an intrinsic reward, the A2C settings, and how many runs.
+    """One row of a table: a world, an intrinsic reward, an algorithm, and how many runs.
 
-    Every field is described where it stands, and is an option of `habilis train`.
+    Every field is described where it stands, and is an option of `habilis train`, as are those of
+    the algorithm.
 
     Raises:
         ValueError: a field is out of its range.
@@ -26,73 +26,74 @@ class Config:
     Example:
         >>> Config(world="yard", intrinsic="object", horizon=3, beta=0.08).regularised
         True
+        >>> Config().changed(algorithm="ppo", envs=4).algorithm.envs
+        4
     """
 
-    world: str = _setting("corridor", "a built-in world's name or the path of a map")
-    tool: str | None = _setting(None, "takes the place of the map's own tool")
-    intrinsic: str = _setting(
+    world: str = setting("corridor", "a built-in world's name or the path of a map")
+    tool: str | None = setting(None, "takes the place of the map's own tool")
+    algorithm: Algorithm = field(default=A2C(), metadata={"help": "how the agent learns"})
+    intrinsic: str = setting(
         NO_INTRINSIC,
-        'sensor whose empowerment is added to the reward: "state", a factor\'s name, or "none"',
+        'what is added to the reward: the empowerment through "state" or a factor\'s name; '
+        '"count", 1 / sqrt(visits of the state); "rnd", random network distillation; or "none"',
     )
-    horizon: int = _setting(0, "horizon of that empowerment, in actions")
-    beta: float = _setting(
-        0.0, "weight of that empowerment: the agent learns from reward + beta * bits(next state)"
+    horizon: int = setting(0, "horizon of that empowerment, in actions")
+    beta: float = setting(
+        0.0, "weight of that reward: the agent learns from reward + beta * bits(next state)"
     )
-    runs: int = _setting(10, "independent runs")
-    seed: int = _setting(0, "where the runs' random numbers start")
-    episodes: int = _setting(100_000, "episodes after which a run is given up")
-    steps: int = _setting(
+    beta_schedule: str = setting("constant", f"how beta goes on: {', '.join(SCHEDULES)}")
+    beta_steps: int = setting(
+        0, "environment steps after which beta is 0 (linear) or has halved (exponential)"
+    )
+    earned: str = setting(
+        "next",
+        "whose value is added: the next state's, the current one's, or the difference "
+        "discount * next - current, a potential that leaves the best policy alone",
+    )
+    terminal_bonus: bool = setting(True, "whether entering a terminal state earns it too")
+    extrinsic: bool = setting(True, "whether the agent learns from the world's reward at all")
+    runs: int = setting(10, "independent runs")
+    seed: int = setting(0, "where the runs' random numbers start")
+    episodes: int = setting(100_000, "episodes after which a run is given up")
+    steps: int = setting(
         100_000_000, "environment steps after which a run is given up (looked at every 20,000)"
     )
-    envs: int = _setting(16, "environments that each run steps together")
-    rollout: int = _setting(5, "steps of each environment between two updates")
-    episode_limit: int = _setting(500, "steps after which an episode is cut off (truncated)")
-    learning_rate: float = _setting(2e-3, "step size of the optimiser")
-    optimizer: str = _setting("rmsprop", "rmsprop (decay 0.99, epsilon 1e-5) or adam")
-    clip: float = _setting(0.5, "largest norm of the gradient")
-    entropy: float = _setting(0.02, "weight of the policy's entropy (nats) in the loss")
-    value: float = _setting(0.5, "weight of the value's squared error in the loss")
-    discount: float = _setting(0.99, "discount factor, gamma")
-    gae_lambda: float = _setting(1.0, "lambda of the generalised advantage; 1: n-step returns")
-    reward_scale: float = _setting(
-        1.0, "factor on the reward that the agent learns from (counted returns have none)"
-    )
-    hidden: tuple[int, ...] = _setting((64, 64), "widths of the network's hidden layers")
+    episode_limit: int = setting(500, "steps after which an episode is cut off (truncated)")
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "hidden", _widths(self.hidden))
-        for f in fields(self):
-            _check_type(f.name, getattr(self, f.name), type(f.default))
-        for name, least in _LEAST.items():
-            if not getattr(self, name) >= least:
-                raise ValueError(f"{name} is {getattr(self, name)!r}; give at least {least}")
-        for name in ("learning_rate", "clip", "reward_scale"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} is {getattr(self, name)!r}; give a number above 0")
-        for name in ("discount", "gae_lambda"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"{name} is {getattr(self, name)!r}; give a number from 0 to 1")
+        check_types(self)
+        if not isinstance(self.algorithm, Algorithm):
+            raise ValueError(f"algorithm is {self.algorithm!r}; give one, such as A2C()")
+        at_least(self, horizon=0, runs=1, seed=0, episodes=1, steps=1, episode_limit=1)
+        at_least(self, beta_steps=0)
+        one_of(self, "beta_schedule", SCHEDULES)
+        one_of(self, "earned", EARNED)
+        if self.beta_schedule != "constant":
+            above_zero(self, "beta_steps")
         if self.seed >= 2**32:
             raise ValueError(f"seed is {self.seed}; give one below {2**32}")
-        if self.optimizer not in OPTIMIZERS:
+        if self.algorithm.rollout > self.episode_limit:
             raise ValueError(
-                f"optimizer {self.optimizer!r} is unknown; use one of {', '.join(OPTIMIZERS)}"
-            )
-        if self.rollout > self.episode_limit:
-            raise ValueError(
-                f"rollout is {self.rollout} and episode_limit {self.episode_limit}; "
+                f"rollout is {self.algorithm.rollout} and episode_limit {self.episode_limit}; "
                 "make a rollout no longer than an episode"
             )
         if (self.intrinsic == NO_INTRINSIC) != (self.beta == 0):
             raise ValueError(
-                f"intrinsic is {self.intrinsic!r} and beta {self.beta:g}; give both a sensor and "
-                "its weight, or neither"
+                f"intrinsic is {self.intrinsic!r} and beta {self.beta:g}; give both what is added "
+                "and its weight, or neither"
             )
 
     @property
     def regularised(self) -> bool:
         """Whether the agent learns from an intrinsic reward besides the extrinsic one."""
         return self.intrinsic != NO_INTRINSIC
+
+    def as_dict(self) -> dict[str, Any]:
+        """All fields as plain values, those of the algorithm among them."""
+        own = {f.name: getattr(self, f.name) for f in fields(self)}
+        learner = {f.name: getattr(self.algorithm, f.name) for f in fields(self.algorithm)}
+        return own | {"algorithm": name_of(self.algorithm)} | learner
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> "Config":
@@ -101,49 +102,30 @@ class Config:
         Raises:
             ValueError: a field does not exist, or its value is out of range.
         """
-        known = {f.name for f in fields(cls)}
-        unknown = sorted(set(values) - known)
+        name = values.get("algorithm", "a2c")
+        if not isinstance(name, str) or name not in ALGORITHMS:
+            raise ValueError(f"algorithm {name!r} is unknown; use one of {', '.join(ALGORITHMS)}")
+        kind = ALGORITHMS[name]
+        own, learner = ({f.name for f in fields(c)} for c in (cls, kind))
+        unknown = sorted(set(values) - own - learner)
         if unknown:
             raise ValueError(
-                f"setting {unknown[0]!r} is unknown; use some of {', '.join(sorted(known))}"
+                f"setting {unknown[0]!r} is unknown; use some of {', '.join(sorted(own | learner))}"
             )
-        return replace(cls(), **values)
+        algorithm = kind(**{k: v for k, v in values.items() if k in learner})
+        given: dict[str, Any] = {k: v for k, v in values.items() if k in own}
+        given["algorithm"] = algorithm
+        return cls(**given)
 
+    def changed(self, **values: Any) -> "Config":
+        """This configuration with other values for some fields, its own or the algorithm's.
 
-_LEAST = {
-    "horizon": 0,
-    "runs": 1,
-    "seed": 0,
-    "episodes": 1,
-    "steps": 1,
-    "envs": 1,
-    "rollout": 1,
-    "episode_limit": 1,
-    "entropy": 0,
-    "value": 0,
-}
+        With another `algorithm`, by its name, all that is not given is that one's default.
 
-_LARGEST = 1e30  # of a number that is learned with, in float32
-
-
-def _check_type(name: str, value: Any, wanted: type) -> None:
-    """Refuses a value that is not of its field's type, or no finite number."""
-    if wanted is int and (isinstance(value, bool) or not isinstance(value, int)):
-        raise ValueError(f"{name} is {value!r}; give a whole number")
-    if wanted is float:
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or not abs(value) <= _LARGEST:
-            raise ValueError(f"{name} is {value!r}; give a finite number")
-    if wanted is str and not isinstance(value, str):
-        raise ValueError(f"{name} is {value!r}; give a text")
-
-
-def _widths(value: Any) -> tuple[int, ...]:
-    """Layer widths as a tuple; lists come from JSON."""
-    if (
-        not isinstance(value, tuple | list)
-        or not value
-        or not all(isinstance(width, int) and width >= 1 for width in value)
-    ):
-        raise ValueError(f"hidden is {value!r}; give at least one width of at least 1")
-    return tuple(value)
+        Raises:
+            ValueError: as in `from_dict`.
+        """
+        kept = self.as_dict()
+        if values.get("algorithm", kept["algorithm"]) != kept["algorithm"]:
+            kept = {f.name: kept[f.name] for f in fields(self)}
+        return type(self).from_dict(kept | values)

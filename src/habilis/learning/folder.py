@@ -2,9 +2,11 @@
 
 config.json         the configuration
 world.txt           the map, with the tool that was used
+checkpoint-*.npz    what to go on from, while it trains
+lock                held by the process that trains
 episodes.parquet    `Run.episodes`
-summary.json        best return, and each run's episodes to convergence
-parameters.npz      the networks' parameters, runs along the first axis
+parameters.npz      what was learned, runs along the first axis
+summary.json        best return, and each run's episodes to convergence; written last
 """
 
 import json
@@ -12,21 +14,21 @@ import os
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Callable
-from dataclasses import asdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 import polars as pl
 
-from habilis.learning.config import Config
-from habilis.learning.networks import ActorCritic
+from habilis.learning import checkpoints
+from habilis.learning.checkpoints import write_whole
+from habilis.learning.config import NO_INTRINSIC, Config
+from habilis.learning.jobs import Job
 from habilis.learning.runs import Run
-from habilis.learning.train import make_task
-from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
 _LONGEST_NAME = 240  # bytes: what file systems allow, less what a temporary name adds
@@ -71,52 +73,123 @@ def save_run(run: Run, folder: str | Path) -> None:
     """
     folder = Path(folder).absolute()
     check_unused(folder)
+    with saving(folder):
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}-"))
+        try:
+            _write_inputs(run.config, run.world, temporary)
+            finish(run, temporary)
+            temporary.chmod(0o755)
+            temporary.rename(folder)
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
+
+
+@contextmanager
+def saving(folder: Path) -> Iterator[None]:
+    """Turns what goes wrong on a disk into one line.
+
+    Raises:
+        ValueError: something cannot be written.
+    """
+    try:
+        yield
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise ValueError(
+            f"{folder}: cannot write the run ({_first_line(error)}); make room there, or name "
+            "another place"
+        ) from error
+
+
+def begin(job: Job, folder: Path) -> None:
+    """Writes what a run starts from."""
+    if not (folder / "world.txt").exists():
+        _write_inputs(job.config, job.world, folder)
+
+
+def finish(run: Run, folder: Path) -> None:
+    """Writes what came of a run, and removes the checkpoints."""
     summary = {
         "best_return": run.best_return,
         "converged_at": list(run.converged_at),
-        "world": run.world.name,
-        "tool": run.world.tool,
     }
-    leaves = jax.tree_util.tree_leaves_with_path(run.networks)
-    parameters = {jax.tree_util.keystr(path): np.asarray(leaf) for path, leaf in leaves}
-    temporary = None
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}-"))
-        (temporary / "config.json").write_text(json.dumps(asdict(run.config), indent=2) + "\n")
-        (temporary / "world.txt").write_text(run.world.text())
-        (temporary / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
-        run.episodes.write_parquet(temporary / "episodes.parquet")
-        np.savez(temporary / "parameters.npz", allow_pickle=False, **parameters)
-        temporary.chmod(0o755)
-        temporary.rename(folder)
-    except (OSError, pl.exceptions.PolarsError) as error:
-        if temporary is not None:
-            shutil.rmtree(temporary, ignore_errors=True)
-        raise ValueError(f"{folder}: cannot write the run ({_first_line(error)})") from error
+    leaves = jax.tree_util.tree_leaves_with_path(run.parameters)
+    parameters = {f"parameters{jax.tree_util.keystr(p)}": np.asarray(leaf) for p, leaf in leaves}
+    write_whole(folder / "episodes.parquet", run.episodes.write_parquet)
+    write_whole(
+        folder / "parameters.npz", lambda file: np.savez(file, allow_pickle=False, **parameters)
+    )
+    _write_json(folder / "summary.json", summary)
+    for path in [*checkpoints.checkpoints(folder), folder / "lock"]:
+        path.unlink(missing_ok=True)
+
+
+def is_finished(folder: Path) -> bool:
+    """Whether a run in a folder has come to its end."""
+    return (folder / "summary.json").exists()
+
+
+def _write_inputs(config: Config, world: World, folder: Path) -> None:
+    named = {"name": world.name, "tool": world.tool}
+    _write_json(folder / "config.json", config.as_dict() | {"map": named})
+    write_whole(folder / "world.txt", lambda file: file.write(world.text().encode()))
+
+
+def _write_json(path: Path, value: Any) -> None:
+    write_whole(path, lambda file: file.write((json.dumps(value, indent=2) + "\n").encode()))
+
+
+def read_config(folder: Path) -> Config:
+    """The configuration of a run.
+
+    Raises:
+        ValueError: it is missing or damaged.
+    """
+    return _read(folder / "config.json", lambda path: _config(path)[0])
+
+
+def read_world(folder: Path) -> World:
+    """The world of a run, with the tool that was used.
+
+    Raises:
+        ValueError: it is missing or damaged.
+    """
+    named = _read(folder / "config.json", lambda path: _config(path)[1])
+    return _read(
+        folder / "world.txt",
+        lambda path: World.parse(path.read_text(), named["name"]).with_tool(named["tool"]),
+    )
 
 
 def load_run(folder: str | Path) -> Run:
     """Reads a run back.
 
     Raises:
-        ValueError: the folder holds no run, or a damaged one; the message names the file.
+        ValueError: the folder holds no run, one that has not ended, or a damaged one; the message
+            names the file.
     """
     folder = Path(folder)
-    config = _read(folder / "config.json", lambda p: Config.from_dict(json.loads(p.read_text())))
+    config, world = read_config(folder), read_world(folder)
+    if checkpoints.checkpoints(folder) and not is_finished(folder):
+        raise ValueError(f"{folder}: the run has not ended; go on with it by train --resume")
     summary = _read(folder / "summary.json", lambda path: _summary(path, config))
-    world = _read(
-        folder / "world.txt",
-        lambda path: World.parse(path.read_text(), summary["world"]).with_tool(summary["tool"]),
-    )
     return Run(
         config=config,
         world=world,
         best_return=summary["best_return"],
         episodes=_read(folder / "episodes.parquet", _episodes),
         converged_at=tuple(summary["converged_at"]),
-        networks=_read(folder / "parameters.npz", lambda path: _load_networks(path, config, world)),
+        parameters=_read(folder / "parameters.npz", lambda path: _parameters(path, config, world)),
     )
+
+
+def _config(path: Path) -> tuple[Config, dict[str, str]]:
+    values = json.loads(path.read_text())
+    named = values.pop("map", {})
+    config = Config.from_dict(values)
+    if not all(isinstance(named.get(key), str) for key in ("name", "tool")):
+        raise ValueError("map has no name or tool")
+    return config, named
 
 
 Value = TypeVar("Value")
@@ -155,8 +228,6 @@ def _summary(path: Path, config: Config) -> dict[str, Any]:
         raise ValueError(f"converged_at has no entry for each of the {config.runs} runs")
     if not isinstance(summary["best_return"], int | float):
         raise ValueError("best_return is no number")
-    if not all(isinstance(summary[name], str) for name in ("world", "tool")):
-        raise ValueError("world or tool is no name")
     return summary
 
 
@@ -168,21 +239,14 @@ def _episodes(path: Path) -> pl.DataFrame:
     return episodes
 
 
-def _load_networks(path: Path, config: Config, world: World) -> ActorCritic:
-    mdp = tabulate(world)
-    task, rows = make_task(mdp)
-
-    def one(key):
-        return ActorCritic(rows, task.inputs.shape[1], mdp.action_count, config.hidden, key)
-
-    keys = jax.random.split(jax.random.key(0), config.runs)
-    like = jax.eval_shape(jax.vmap(one), keys)
-    leaves, structure = jax.tree_util.tree_flatten_with_path(like)
+def _parameters(path: Path, config: Config, world: World) -> Any:
+    model = Job.of(0, replace(config, intrinsic=NO_INTRINSIC, beta=0.0), world).start(0)
+    like, structure = jax.tree_util.tree_flatten_with_path(model.learner.parameters)
     with path.open("rb") as file, np.load(file) as saved:
-        loaded = [jnp.asarray(saved[jax.tree_util.keystr(name)]) for name, _ in leaves]
-    for (name, leaf), array in zip(leaves, loaded, strict=True):
-        if leaf.shape != array.shape or leaf.dtype != array.dtype:
+        leaves = [saved[f"parameters{jax.tree_util.keystr(name)}"] for name, _ in like]
+    for (name, leaf), array in zip(like, leaves, strict=True):
+        if array.shape != (config.runs, *leaf.shape) or array.dtype != leaf.dtype:
             raise ValueError(f"{jax.tree_util.keystr(name)} is {array.dtype}{array.shape}")
-        if not jnp.isfinite(array).all():
+        if not np.isfinite(array).all():
             raise ValueError(f"{jax.tree_util.keystr(name)} has entries that are not finite")
-    return jax.tree_util.tree_unflatten(structure, loaded)
+    return jax.tree_util.tree_unflatten(structure, leaves)

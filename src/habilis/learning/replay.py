@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import jax
 import numpy as np
 
+from habilis.learning.lanes import Program
 from habilis.learning.runs import Run
-from habilis.learning.train import make_task
+from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 
@@ -36,9 +37,10 @@ def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
         mdp: the table of its world.
         index: which of its runs.
     """
-    network = jax.tree.map(lambda leaf: leaf[index], run.networks)
-    logits, _ = network(make_task(mdp)[0].inputs)
-    return np.asarray(logits.argmax(axis=-1))
+    parameters = jax.tree.map(lambda leaf: leaf[index], run.parameters)
+    task, rows = make_task(mdp)
+    module = Program.of(run.config, rows, 1).module
+    return np.asarray(module.preferences(task, parameters).argmax(axis=-1))
 
 
 def play(run: Run, index: int = 0) -> Episode:

@@ -36,6 +36,6 @@ def generalised_advantages(
         return advantage, advantage
 
     _, advantages = jax.lax.scan(
-        back, jnp.zeros_like(value[0]), (delta, decay), reverse=True, unroll=True
+        back, jnp.zeros_like(value[0]), (delta, decay), reverse=True, unroll=8
     )
     return advantages

@@ -2,14 +2,14 @@
 
 import time
 from dataclasses import dataclass
+from typing import Any
 
-import jax
 import numpy as np
 import polars as pl
 
 from habilis.learning.config import Config
 from habilis.learning.convergence import episodes_to_convergence
-from habilis.learning.networks import ActorCritic
+from habilis.learning.episodes import Ledger
 from habilis.worlds.world import World
 
 
@@ -25,8 +25,8 @@ class Run:
             "return" (extrinsic, undiscounted), and for each flag of the table the number of
             its steps that led to a state with that flag ("equipped", "attached").
         converged_at: for each run the episodes to convergence, `None` if it did not.
-        networks: the runs' networks, stacked along the first axis, each as it was after the
-            stretch of training in which its run ended.
+        parameters: what the runs learned, stacked along the first axis (a `Network`, or Q[S, A]),
+            each as it was after the stretch of training in which its run ended.
     """
 
     config: Config
@@ -34,7 +34,7 @@ class Run:
     best_return: float
     episodes: pl.DataFrame
     converged_at: tuple[int | None, ...]
-    networks: ActorCritic
+    parameters: Any
 
 
 @dataclass(frozen=True)
@@ -63,20 +63,26 @@ class Progress:
 
 
 class Record:
-    """The episodes of one run so far, and whether it is over."""
+    """One run so far: its episodes, and whether it is over.
 
-    def __init__(self, config: Config, best_return: float):
+    Attributes:
+        began: when its first stretch of training did.
+        steps: environment steps taken.
+        running: float64[E, 2 + flags], sums over the episodes that have not ended.
+        ended: whether it is over.
+        converged_at: episodes to convergence, `None` if it has not converged.
+    """
+
+    def __init__(self, config: Config, best_return: float, ledger: Ledger):
         self.config = config
         self.best_return = best_return
+        self.ledger = ledger
         self.began: float | None = None
         self.steps = 0
+        self.running = ledger.nothing(config.algorithm.envs)
+        self.ended = False
         self.converged_at: int | None = None
-        self.network: ActorCritic | None = None
-        self._parts: list[np.ndarray] = []
-
-    @property
-    def ended(self) -> bool:
-        return self.network is not None
+        self._parts: list[np.ndarray] = [np.empty((0, self.running.shape[1]), np.float32)]
 
     @property
     def count(self) -> int:
@@ -88,22 +94,28 @@ class Record:
             self._parts = [np.concatenate(self._parts)]
         return self._parts[0]
 
-    def add(self, episodes: np.ndarray, steps: int, network: ActorCritic, lane: int) -> None:
+    def restore(self, steps: int, running: np.ndarray, episodes: np.ndarray) -> None:
+        """Goes back to what an earlier process had come to."""
+        self.steps, self.running, self._parts = steps, running, [episodes]
+        self._end_if_over()
+
+    def add(self, transition: np.ndarray, truncated: np.ndarray) -> None:
         """Takes in a stretch of training, and ends the run if that was its last.
 
         Args:
-            episodes: those that ended in the stretch, as in `episodes()`.
-            steps: environment steps taken.
-            network, lane: of the batch that the run is in, and its lane there.
+            transition, truncated: int[steps, E] and bool[steps, E], what the environments did.
         """
-        self._parts.append(episodes)
-        self.steps += steps
+        ended, self.running = self.ledger.entries(self.running, transition, truncated)
+        self._parts.append(ended.astype(np.float32))
+        self.steps += transition.size
+        self._end_if_over()
+
+    def _end_if_over(self) -> None:
         budget = self.config.episodes
         at = episodes_to_convergence(self.episodes()[:budget, 1], self.best_return)
         if at is not None or self.count >= budget or self.steps >= self.config.steps:
-            self.converged_at = at
+            self.ended, self.converged_at = True, at
             self._parts = [self.episodes()[: budget if at is None else at]]
-            self.network = jax.tree.map(lambda leaf: leaf[lane], network)
 
 
 def progress(config: int, records: list[Record]) -> Progress:

@@ -12,7 +12,7 @@ with it. The seeds are not those of the paper's tables.
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from random import Random
@@ -64,7 +64,7 @@ def settings_grid() -> list[dict]:
 def vanilla_configs(experiment: Experiment, setting: dict, stage: dict) -> list[Config]:
     """One configuration for each vanilla row of an experiment."""
     return [
-        replace(Config(world=experiment.world, tool=row.tool), **setting, **stage)
+        Config(world=experiment.world, tool=row.tool).changed(**setting, **stage)
         for row in experiment.rows
         if row.vanilla
     ]

@@ -1,7 +1,6 @@
 """The A2C settings of the paper's tables, frozen by the calibration."""
 
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +23,7 @@ def frozen_settings(experiment: Experiment) -> dict[str, Any]:
 def row_config(experiment: Experiment, row: Row, budget: dict[str, Any]) -> Config:
     """The configuration of a row of a table: all rows of an experiment share the settings."""
     config = Config.from_dict(frozen_settings(experiment))
-    return replace(
-        config,
+    return config.changed(
         world=experiment.world,
         tool=row.tool,
         intrinsic=row.intrinsic,

@@ -1,0 +1,122 @@
+"""Many runs on few processors: batches of lanes, refilled as runs end."""
+
+import time
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from habilis.learning.compilation import keep_compiled
+from habilis.learning.jobs import Job
+from habilis.learning.lanes import Lane, Log, advance
+from habilis.learning.runs import Progress, progress
+from habilis.processors import processors
+
+LANES = 5
+"""Runs in one compiled batch. Always the same number, since XLA's rounding depends on it: only
+so is a run the same whatever trains beside it. More lanes are no faster on a CPU."""
+
+
+class Seat(NamedTuple):
+    """A run, by its job and its number there."""
+
+    job: Job
+    run: int
+
+
+def train_jobs(
+    jobs: list[Job],
+    on_progress: Callable[[Progress], None] | None = None,
+    on_stretch: Callable[[], None] | None = None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> None:
+    """Trains all runs of all jobs to their end; what they do goes into the jobs.
+
+    The runs that have come least far advance by a stretch, five at a time, on a thread for each
+    processor or device. All bookkeeping is done here, between stretches: whenever `on_stretch` is
+    called, the jobs hold a state that training can go on from.
+
+    Args:
+        jobs: made ready, or restored.
+        on_progress: called after every stretch, for the jobs in it.
+        on_stretch: called after every stretch.
+        stopped: asked after every stretch whether to leave it at that.
+
+    Raises:
+        FloatingPointError: a loss or a parameter was not finite.
+    """
+    keep_compiled()
+    waiting = [Seat(job, run) for job in jobs for run in range(job.config.runs)]
+    for seat in waiting:
+        if seat.run not in seat.job.lanes:
+            seat.job.lanes[seat.run] = seat.job.start(seat.run)
+    waiting = [seat for seat in waiting if not seat.job.records[seat.run].ended]
+    devices = jax.devices()
+    workers = max(processors() if devices[0].platform == "cpu" else 1, len(devices))
+    idle = [devices[i % len(devices)] for i in range(workers)]
+    working: dict[Future[tuple[list[Lane], Log]], tuple[list[Seat], Any]] = {}
+    with ThreadPoolExecutor(workers) as pool:
+        while working or (waiting and not stopped()):
+            while waiting and idle and not stopped():
+                seats = _next_batch(waiting)
+                device = idle.pop()
+                for job, run in seats:
+                    job.records[run].began = job.records[run].began or time.perf_counter()
+                working[pool.submit(_advance, seats, device)] = seats, device
+            for future in wait(working, return_when=FIRST_COMPLETED).done:
+                seats, device = working.pop(future)
+                idle.append(device)
+                _enter(seats, *future.result())
+                waiting += [seat for seat in seats if not seat.job.records[seat.run].ended]
+                if on_progress is not None:
+                    for job in {seat.job.index: seat.job for seat in seats}.values():
+                        on_progress(progress(job.index, job.records))
+                if on_stretch is not None:
+                    on_stretch()
+
+
+def _next_batch(waiting: list[Seat]) -> list[Seat]:
+    """Takes those that have come least far, all of one program and world."""
+    waiting.sort(key=lambda seat: (seat.job.records[seat.run].steps, seat.job.index, seat.run))
+    first = waiting[0].job
+    same = [s for s in waiting if (s.job.world, s.job.program) == (first.world, first.program)]
+    batch = same[:LANES]
+    for seat in batch:
+        waiting.remove(seat)
+    return batch
+
+
+def _advance(seats: list[Seat], device: Any) -> tuple[list[Lane], Log]:
+    """A stretch of training of at most five runs."""
+    full = (seats * LANES)[:LANES]  # a batch that is not full repeats its runs, unseen
+    job = seats[0].job
+    settings, lanes = (
+        jax.tree.map(lambda *leaves: np.stack(leaves), *parts)
+        for parts in ([s.job.settings for s in full], [s.job.lanes[s.run] for s in full])
+    )
+    task, settings, lanes = jax.device_put((job.task[0], settings, lanes), device)
+    lanes, log = jax.tree.map(np.asarray, advance(task, settings, lanes, job.program))
+    return [jax.tree.map(lambda leaf, i=i: leaf[i], lanes) for i in range(len(seats))], log
+
+
+def _enter(seats: list[Seat], lanes: list[Lane], log: Log) -> None:
+    """Takes in what a stretch gave."""
+    for place, ((job, run), lane) in enumerate(zip(seats, lanes, strict=True)):
+        record = job.records[run]
+        envs = log.transition.shape[-1]
+        if not np.isfinite(log.loss[place]).all() or not _finite(lane.learner.parameters):
+            what = "parameters of" if np.isfinite(log.loss[place]).all() else "loss of"
+            raise FloatingPointError(
+                f"{job.world.name}: the {what} run {run} stopped being finite between steps "
+                f"{record.steps:,} and {record.steps + job.program.steps:,} "
+                f"({record.count:,} episodes); lower learning_rate or reward_scale"
+            )
+        did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
+        record.add(*(part.reshape(-1, envs) for part in did))
+        job.lanes[run] = lane
+
+
+def _finite(parameters: object) -> bool:
+    return all(bool(np.isfinite(leaf).all()) for leaf in jax.tree.leaves(parameters))

@@ -1,0 +1,75 @@
+"""Settings as dataclass fields: their descriptions, and what is refused."""
+
+from collections.abc import Sequence
+from dataclasses import field, fields
+from typing import Any, TypeVar
+
+Value = TypeVar("Value")
+
+_LARGEST = 1e30  # of a number that is learned with, in float32
+
+
+def setting(default: Value, text: str, static: bool = False) -> Value:
+    """A field with its description, which the command line shows as help.
+
+    Args:
+        default: its value.
+        text: what it is.
+        static: whether the compiled program depends on it.
+    """
+    return field(default=default, metadata={"help": text, "static": static})
+
+
+def check_types(settings: Any) -> None:
+    """Refuses values that are not of their field's type, or no finite numbers."""
+    for f in fields(settings):
+        _check_type(f.name, getattr(settings, f.name), type(f.default))
+
+
+def at_least(settings: Any, **least: float) -> None:
+    for name, smallest in least.items():
+        if not getattr(settings, name) >= smallest:
+            raise ValueError(f"{name} is {getattr(settings, name)!r}; give at least {smallest}")
+
+
+def above_zero(settings: Any, *names: str) -> None:
+    for name in names:
+        if not getattr(settings, name) > 0:
+            raise ValueError(f"{name} is {getattr(settings, name)!r}; give a number above 0")
+
+
+def share(settings: Any, *names: str) -> None:
+    for name in names:
+        if not 0 <= getattr(settings, name) <= 1:
+            raise ValueError(f"{name} is {getattr(settings, name)!r}; give a number from 0 to 1")
+
+
+def one_of(settings: Any, name: str, known: Sequence[str]) -> None:
+    if getattr(settings, name) not in known:
+        raise ValueError(
+            f"{name} {getattr(settings, name)!r} is unknown; use one of {', '.join(known)}"
+        )
+
+
+def widths(value: Any) -> tuple[int, ...]:
+    """Layer widths as a tuple; lists come from JSON."""
+    if (
+        not isinstance(value, tuple | list)
+        or not value
+        or not all(isinstance(width, int) and width >= 1 for width in value)
+    ):
+        raise ValueError(f"hidden is {value!r}; give at least one width of at least 1")
+    return tuple(value)
+
+
+def _check_type(name: str, value: Any, wanted: type) -> None:
+    if wanted is bool and not isinstance(value, bool):
+        raise ValueError(f"{name} is {value!r}; give true or false")
+    if wanted is int and (isinstance(value, bool) or not isinstance(value, int)):
+        raise ValueError(f"{name} is {value!r}; give a whole number")
+    if wanted is float:
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not number or not abs(value) <= _LARGEST:
+            raise ValueError(f"{name} is {value!r}; give a finite number")
+    if wanted is str and not isinstance(value, str):
+        raise ValueError(f"{name} is {value!r}; give a text")

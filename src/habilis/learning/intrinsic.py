@@ -1,0 +1,136 @@
+"""Intrinsic rewards: of a table of values, of counts, of a network that is distilled."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jaxtyping import Array, Float, Int, PRNGKeyArray
+
+from habilis.empowerment import empowerment
+from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
+from habilis.learning.networks import Network
+from habilis.learning.rollout import Numbers
+from habilis.learning.task import Task
+from habilis.mdp import TabularMDP
+
+_FEATURES, _WIDTH = 16, 32  # of the networks that are distilled
+_RATE = 1e-3  # at which the one follows the other
+_MEMORY = 0.999  # of the running scale of their distance
+
+
+class Distillation(NamedTuple):
+    """Random network distillation (Burda et al. 2019): what is well known is well predicted."""
+
+    target: Network
+    predictor: Network
+    optimizer: optax.OptState
+    scale: Float[Array, ""]
+    """A running mean of squared distances, by whose root they are divided."""
+
+
+def kind_of(config: Config) -> str:
+    """Which of these a configuration asks for: "count", "rnd" or "table"."""
+    return config.intrinsic if config.intrinsic in NOVELTIES else "table"
+
+
+def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
+    """M, the empowerment of every state in bits, or 0 where a table is not what is asked for."""
+    if config.intrinsic in (NO_INTRINSIC, *NOVELTIES):
+        return np.zeros(mdp.states)
+    return empowerment(mdp, config.horizon, config.intrinsic)
+
+
+def weights(config: Config) -> dict[str, float]:
+    """What a configuration says of its rewards, in numbers."""
+    over = max(config.beta_steps, 1)
+    return {
+        "beta": config.beta,
+        "beta_falls": 1 / over if config.beta_schedule == "linear" else 0.0,
+        "beta_halves": 1 / over if config.beta_schedule == "exponential" else 0.0,
+        "of_next": {"next": 1.0, "current": 0.0, "difference": config.algorithm.discount}[
+            config.earned
+        ],
+        "of_current": {"next": 0.0, "current": 1.0, "difference": -1.0}[config.earned],
+        # A potential must be 0 where nothing follows, or it would change the best policy.
+        "of_terminal": float(config.terminal_bonus and config.earned != "difference"),
+        "extrinsic": float(config.extrinsic),
+    }
+
+
+def start(kind: str, task: Task, rows: int, key: PRNGKeyArray) -> Any:
+    """What a reward that changes while it is earned keeps."""
+    if kind == COUNT:
+        return jnp.zeros(task.states)
+    if kind == DISTILLATION:
+        target, predictor = (
+            Network(rows, task.inputs.shape[1], _FEATURES, (_WIDTH,), k, gain=1.0)
+            for k in jax.random.split(key)
+        )
+        return Distillation(target, predictor, _optimizer().init(_tree(predictor)), jnp.float32(1))
+    return ()
+
+
+def values(
+    kind: str, kept: Any, table: Float[Array, "S"], task: Task, states: Int[Array, "*n"]
+) -> Float[Array, "*n"]:
+    """M of some states."""
+    if kind == COUNT:
+        return jax.lax.rsqrt(kept[states] + 1)
+    if kind == DISTILLATION:
+        return _distance(kept.predictor, kept.target, task.inputs[states]) * jax.lax.rsqrt(
+            kept.scale + 1e-8
+        )
+    return table[states]
+
+
+def visited(kind: str, kept: Any, task: Task, states: Int[Array, "T E"]) -> Any:
+    """What is kept after these states were entered."""
+    if kind == COUNT:
+        return kept.at[states.reshape(-1)].add(1.0)
+    if kind == DISTILLATION:
+        inputs = task.inputs[states.reshape(-1)]
+
+        def loss(predictor: Network) -> tuple[Float[Array, ""], Float[Array, "n"]]:
+            distance = _distance(predictor, kept.target, inputs)
+            return distance.mean(), distance
+
+        gradient, distance = jax.grad(loss, has_aux=True)(kept.predictor)
+        change, optimizer = _optimizer().update(gradient, kept.optimizer)
+        scale = _MEMORY * kept.scale + (1 - _MEMORY) * jnp.square(distance).mean()
+        predictor = jax.tree.map(jnp.add, kept.predictor, change)
+        return Distillation(kept.target, predictor, optimizer, scale)
+    return kept
+
+
+def reward(
+    numbers: Numbers,
+    extrinsic: Float[Array, "*n"],
+    of_next: Float[Array, "*n"],
+    of_current: Float[Array, "*n"],
+    terminated: Array,
+    taken: Float[Array, ""],
+) -> Float[Array, "*n"]:
+    """What the agent learns from, after so many environment steps.
+
+    scale * (r + beta * M(s'))        or, as the configuration has it, M(s), gamma M(s') - M(s)
+    """
+    fallen = jnp.maximum(0.0, 1 - taken * numbers["beta_falls"])
+    beta = numbers["beta"] * fallen * jnp.exp2(-taken * numbers["beta_halves"])
+    entered = jnp.where(terminated, numbers["of_terminal"], 1.0) * numbers["of_next"] * of_next
+    bonus = entered + numbers["of_current"] * of_current
+    return numbers["reward_scale"] * (numbers["extrinsic"] * extrinsic + beta * bonus)
+
+
+def _distance(one: Network, other: Network, inputs: Int[Array, "*n factors"]):
+    return jnp.square(one(inputs) - other(inputs)).mean(axis=-1)
+
+
+def _tree(network: Network) -> Any:
+    """A network as optax has it: any tree of arrays."""
+    return network
+
+
+def _optimizer() -> optax.GradientTransformation:
+    return optax.adam(_RATE)

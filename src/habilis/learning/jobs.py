@@ -1,0 +1,100 @@
+"""Configurations made ready for training."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from habilis.learning import intrinsic
+from habilis.learning.config import Config
+from habilis.learning.episodes import Ledger
+from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
+from habilis.learning.runs import Record, Run, episode_table
+from habilis.learning.task import Task, make_task
+from habilis.mdp import TabularMDP
+from habilis.worlds.plans import solve
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import World, load_world
+
+STRETCH = 20_000
+"""Environment steps of one run between two looks at it from Python."""
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A configuration, made ready, and what its runs have come to.
+
+    Attributes:
+        index: its place among those trained together.
+        config: the configuration.
+        world: its world.
+        mdp: its table.
+        best_return: of a shortest plan.
+        table: float64[S], the intrinsic value of every state, where it is a table.
+        records: of its runs.
+        lanes: of its runs, as they were after the last stretch, in NumPy arrays.
+    """
+
+    index: int
+    config: Config
+    world: World
+    mdp: TabularMDP
+    best_return: float
+    table: Float[np.ndarray, "S"]
+    records: list[Record]
+    lanes: dict[int, Lane]
+
+    @classmethod
+    def of(cls, index: int, config: Config, world: World | None = None) -> "Job":
+        """Makes a configuration ready.
+
+        Args:
+            index: its place among those trained together.
+            config: the configuration.
+            world: its world, if that is not to be read from where the configuration says.
+
+        Raises:
+            ValueError: a world, tool or sensor does not exist, or the goal is out of reach.
+        """
+        world = load_world(config.world, config.tool) if world is None else world
+        mdp = tabulate(world)
+        plan = solve(mdp)
+        if plan is None:
+            raise ValueError(f"{world.name}: the goal cannot be reached; open a way to it")
+        ledger = Ledger.of(mdp)
+        records = [Record(config, plan.best_return, ledger) for _ in range(config.runs)]
+        table = intrinsic.value_table(mdp, config)
+        return cls(index, config, world, mdp, plan.best_return, table, records, {})
+
+    @cached_property
+    def task(self) -> tuple[Task, int]:
+        return make_task(self.mdp)
+
+    @cached_property
+    def program(self) -> Program:
+        return Program.of(self.config, self.task[1], STRETCH)
+
+    @cached_property
+    def settings(self) -> Settings:
+        return settings_of(self.config, self.table)
+
+    def start(self, run: int) -> Lane:
+        """A run before its first step; its random numbers are its own."""
+        key = jax.random.fold_in(jax.random.key(self.config.seed), run)
+        lanes = start_lanes(self.task[0], self.program, key[None])
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[0], lanes)
+
+    def result(self) -> Run:
+        """What training gave, when all runs have ended."""
+        learned = [self.lanes[run].learner.parameters for run in range(self.config.runs)]
+        return Run(
+            config=self.config,
+            world=self.world,
+            best_return=self.best_return,
+            episodes=episode_table(self.records, list(self.mdp.flags)),
+            converged_at=tuple(record.converged_at for record in self.records),
+            parameters=jax.tree.map(lambda *leaves: jnp.stack(leaves), *learned),
+        )

@@ -1,0 +1,101 @@
+"""Steps of many environments under one policy."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
+
+from habilis.learning.task import Task
+
+Numbers = dict[str, Float[Array, ""]]
+"""The settings that are no part of the compiled program, by their names."""
+
+
+@dataclass(frozen=True)
+class Context:
+    """What an algorithm is told besides its own state, in one update of one lane."""
+
+    task: Task
+    algorithm: Any
+    """The settings that the compiled program depends on."""
+    numbers: Numbers
+    """All others."""
+    taken: Float[Array, ""]
+    """Environment steps so far."""
+    key: PRNGKeyArray
+    worth: Callable[[Int[Array, "*n"]], Float[Array, "*n"]]
+    """The reward to learn from, intrinsic and extrinsic, of any transitions."""
+
+
+class Place(NamedTuple):
+    """Where E environments are: the state, and the steps of the running episode."""
+
+    state: Int[Array, "E"]
+    steps: Int[Array, "E"]
+
+
+class Passed(NamedTuple):
+    """T steps of E environments."""
+
+    state: Int[Array, "T E"]
+    transition: Int[Array, "T E"]
+    truncated: Bool[Array, "T E"]
+    kept: Any
+    """What the policy wants to remember of each decision."""
+
+
+class Experience(NamedTuple):
+    """What an algorithm learns from: a rollout, and what it was worth."""
+
+    state: Int[Array, "T E"]
+    action: Int[Array, "T E"]
+    reached: Int[Array, "T E"]
+    reward: Float[Array, "T E"]
+    terminated: Bool[Array, "T E"]
+    truncated: Bool[Array, "T E"]
+    kept: Any
+    now: Int[Array, "E"]
+    """Where the environments are after it."""
+
+
+Act = Callable[[Int[Array, "E"], Float[Array, "E"]], tuple[Int[Array, "E"], Any]]
+"""From states and a uniform number each to actions, and what to keep."""
+
+
+def rollout(
+    task: Task,
+    act: Act,
+    place: Place,
+    episode_limit: Float[Array, ""],
+    draws: Float[Array, "T E"],
+) -> tuple[Place, Passed]:
+    """T steps of E environments; ended episodes start anew."""
+
+    def step(place: Place, draw: Float[Array, "E"]) -> tuple[Place, Passed]:
+        action, kept = act(place.state, draw)
+        transition = place.state * task.actions + action
+        reached = task.goes_on[transition]
+        steps = place.steps + 1
+        truncated = (reached >= 0) & (steps >= episode_limit)
+        ended = (reached < 0) | truncated
+        after = Place(jnp.where(ended, task.start, reached), jnp.where(ended, 0, steps))
+        return after, Passed(place.state, transition, truncated, kept)
+
+    return jax.lax.scan(step, place, draws)
+
+
+def sampled(logits: Float[Array, "E A"], draw: Float[Array, "E"]) -> Int[Array, "E"]:
+    """The action in whose share of [0, 1) each uniform draw falls."""
+    below = jnp.cumsum(jax.nn.softmax(logits), axis=-1) <= draw[:, None]
+    return jnp.minimum(below.sum(axis=-1), logits.shape[-1] - 1)
+
+
+def linearly(
+    start: Float[Array, ""], end: Float[Array, ""], over: Float[Array, ""], steps: Array
+) -> Float[Array, ""]:
+    """A number that goes from start to end over so many steps; for ever at start if 0."""
+    share = jnp.where(over > 0, jnp.clip(steps / jnp.maximum(over, 1), 0, 1), 0)
+    return start + (end - start) * share

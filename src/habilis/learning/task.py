@@ -1,0 +1,55 @@
+"""A table as the compiled loop wants it."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from habilis.mdp import TabularMDP
+
+
+class Task(NamedTuple):
+    """What all lanes share. A transition is numbered `state * actions + action`."""
+
+    next_state: Int[Array, "S*A"]
+    """Where each transition leads."""
+    goes_on: Int[Array, "S*A"]
+    """Where the next step is made from: as above, or -1 where that is terminal."""
+    reward: Float[Array, "S*A"]
+    inputs: Int[Array, "S factors"]
+    """The rows of the network's embedding that stand for a state."""
+    start: Int[Array, ""]
+
+    @property
+    def states(self) -> int:
+        return self.inputs.shape[0]
+
+    @property
+    def actions(self) -> int:
+        return self.next_state.shape[0] // self.states
+
+    def terminated(self, transition: Int[Array, "*n"]) -> Bool[Array, "*n"]:
+        return self.goes_on[transition] < 0
+
+
+def make_task(mdp: TabularMDP) -> tuple[Task, int]:
+    """The table as arrays on the device, and how many rows its inputs name.
+
+    A state is shown to the network by its factors; without factors, by its index.
+    """
+    factors = list(mdp.factors.values()) or [np.arange(mdp.states)]
+    inputs, rows = [], 0
+    for labels in factors:
+        values, compact = np.unique(labels, return_inverse=True)
+        inputs.append(compact + rows)
+        rows += len(values)
+    reached = mdp.next_state.reshape(-1)
+    task = Task(
+        next_state=jnp.asarray(reached),
+        goes_on=jnp.asarray(np.where(mdp.terminal[reached], -1, reached), jnp.int32),
+        reward=jnp.asarray(mdp.reward.reshape(-1)),
+        inputs=jnp.asarray(np.stack(inputs, axis=1), jnp.int32),
+        start=jnp.int32(mdp.start),
+    )
+    return task, rows

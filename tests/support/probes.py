@@ -1,0 +1,54 @@
+"""Tiny tasks with known answers, each of which one kind of mistake would break."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from habilis.learning.config import Config
+from habilis.learning.episodes import Ledger
+from habilis.learning.lanes import Lane, Program, advance, settings_of, start_lanes
+from habilis.learning.networks import Network
+from habilis.learning.task import make_task
+from habilis.mdp import TabularMDP
+
+
+class Learned(NamedTuple):
+    """What one agent came to."""
+
+    policy: np.ndarray  # the softmax of its preferences, float[S, A]
+    values: np.ndarray  # of a network, float[S]; of a table Q, float[S, A]
+    episodes: np.ndarray  # steps, return and counts of flags
+    lane: Lane
+    loss: np.ndarray
+
+
+def learn(mdp: TabularMDP, config: Config, updates: int = 1500, table=None) -> Learned:
+    """Trains one agent on a table."""
+    task, rows = make_task(mdp)
+    program = replace(Program.of(config, rows, 1), updates=updates)
+    settings = settings_of(config, np.zeros(mdp.states) if table is None else np.asarray(table))
+    settings = jax.tree.map(lambda leaf: np.asarray(leaf)[None], settings)
+    lanes = start_lanes(task, program, jax.random.key(config.seed)[None])
+    lanes, log = jax.tree.map(np.asarray, advance(task, settings, lanes, program))
+    lane = jax.tree.map(lambda leaf: leaf[0], lanes)
+    parameters = lane.learner.parameters
+    preferences = program.module.preferences(task, parameters)
+    is_network = isinstance(parameters, Network)
+    values = parameters(task.inputs)[:, -1] if is_network else parameters
+    ledger, envs = Ledger.of(mdp), config.algorithm.envs
+    transition, truncated = (part[0].reshape(-1, envs) for part in (log.transition, log.truncated))
+    episodes, _ = ledger.entries(ledger.nothing(envs), transition, truncated)
+    return Learned(
+        np.asarray(jax.nn.softmax(preferences)), np.asarray(values), episodes, lane, log.loss[0]
+    )
+
+
+def row(states: int, actions: int, reward, terminal_last: bool = True) -> TabularMDP:
+    """States in a row, whatever is done; the last is terminal."""
+    next_state = np.minimum(np.arange(states)[:, None] + 1, states - 1)
+    terminal = np.arange(states) == states - 1
+    return TabularMDP.deterministic(
+        np.repeat(next_state, actions, axis=1), reward, terminal & terminal_last
+    )
