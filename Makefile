@@ -2,8 +2,9 @@
 PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/installed
+SB3 := .venv-sb3
 
-.PHONY: test paper quick check format calibrate bench clean
+.PHONY: test paper quick check format calibrate bench bench-sb3 clean
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest
@@ -24,12 +25,23 @@ format: $(INSTALLED)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-# Chooses the A2C settings of the paper's tables anew, on the vanilla rows alone. Hours.
+# Chooses the A2C settings of the paper's tables anew, on the vanilla rows alone. Half an hour.
 calibrate: $(INSTALLED)
 	$(BIN)/python -m habilis.studies.calibrate
 
 bench: $(INSTALLED)
 	$(BIN)/habilis bench
+
+# Beside Stable-Baselines3, in an environment of its own: torch is no dependency of ours.
+bench-sb3: $(SB3)/installed
+	$(SB3)/bin/habilis bench sb3
+
+$(SB3)/installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(SB3)
+	$(SB3)/bin/python -m pip install --quiet --disable-pip-version-check torch==2.13.0
+	$(SB3)/bin/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints.txt stable-baselines3==2.9.2 --editable ".[learn,gymnasium]"
+	touch $@
 
 $(INSTALLED): pyproject.toml constraints.txt
 	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11))" || \
@@ -40,4 +52,4 @@ $(INSTALLED): pyproject.toml constraints.txt
 	touch $@
 
 clean:
-	rm -rf .venv paper paper-quick
+	rm -rf .venv $(SB3) paper paper-quick

@@ -6,8 +6,9 @@ from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import Any
 
-BENCHMARKS = ("empowerment", "scale", "worlds", "learning")
-_NEEDS_LEARNING = ("learning",)
+BENCHMARKS = ("empowerment", "scale", "worlds", "learning", "sb3")
+_NEEDS_LEARNING = ("learning", "sb3")
+_APART = ("sb3",)  # measured when named: it needs an environment with torch
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ def run_benchmarks(names: Sequence[str]) -> list[Result]:
     """Runs benchmarks one after the other.
 
     Args:
-        names: some of `BENCHMARKS`; all if there are none.
+        names: some of `BENCHMARKS`; if there are none, all that need no other environment.
 
     Raises:
         ValueError: no such benchmark.
@@ -51,7 +52,7 @@ def run_benchmarks(names: Sequence[str]) -> list[Result]:
             f"benchmark {unknown[0]!r} is unknown; use some of {', '.join(BENCHMARKS)}"
         )
     results = []
-    for name in names or BENCHMARKS:
+    for name in names or [name for name in BENCHMARKS if name not in _APART]:
         path = f"habilis.benchmarks.{name}"
         module = import_from(path, "learn") if name in _NEEDS_LEARNING else import_module(path)
         results += module.results()

@@ -1,22 +1,140 @@
-"""Training: environment steps a second, learning included."""
+"""Training: environment steps a second, learning included, and where the time goes."""
 
 import time
 from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from habilis.benchmarks import Result
+from habilis.benchmarks.apart import alternating, measured_apart
+from habilis.benchmarks.plain_jax import make_train
+from habilis.learning import a2c
 from habilis.learning.config import Config
+from habilis.learning.jobs import Job
+from habilis.learning.lanes import Lane, Settings, advance
+from habilis.learning.rollout import Context, Place, rollout
 from habilis.learning.train import train
+from habilis.worlds.world import load_world
+
+RUNS, UPDATES = 10, 250
+CONFIG = Config(world="corridor", runs=RUNS, episodes=1_000_000)
+A2C = CONFIG.algorithm
+STEPS = RUNS * UPDATES * A2C.envs * A2C.rollout
+"""Environment steps of one call of a compiled loop: ten runs side by side."""
+
+ON = f"corridor, {RUNS} runs x {A2C.envs} environments x {A2C.rollout} steps, MLP 64-64"
 
 
 def results() -> list[Result]:
-    config = Config(world="corridor", runs=10, episodes=1_000_000, steps=20_000)
-    began = time.perf_counter()
-    train(config)
-    first = time.perf_counter() - began
     rates: list[float] = []
-    train(replace(config, steps=1_000_000), lambda p: rates.append(p.steps_per_second))
-    note = "corridor, 10 runs x 16 environments x 5 steps, MLP 64-64, all cores"
+    train(replace(CONFIG, steps=500_000), lambda p: rates.append(p.steps_per_second))
     return [
-        Result("training, first call", first, "s", "compilation included"),
-        Result("training", rates[-1] / 1e6, "M steps/s", note),
+        *measured_apart(__name__, "on_one_processor"),
+        *measured_apart(__name__, "first_call", JAX_ENABLE_COMPILATION_CACHE="false"),
+        Result("training, all processors", rates[-1] / 1e6, "M steps/s", f"{ON}; all of train()"),
     ]
+
+
+def first_call() -> list[Result]:
+    """How long `train` takes to come back with next to nothing learned."""
+    began = time.perf_counter()
+    train(replace(CONFIG, steps=20_000))
+    seconds = time.perf_counter() - began
+    return [Result("training, first call", seconds, "s", "one processor, nothing compiled before")]
+
+
+def on_one_processor() -> list[Result]:
+    """Ours beside a plain loop, and what ours spends its time on."""
+    ours = Loop.of(CONFIG)
+    keys = jax.random.split(jax.random.key(0), RUNS)
+    plain = jax.jit(jax.vmap(make_train(load_world("corridor"), A2C, UPDATES)))
+    square = jnp.ones((512, 512), jnp.float32)
+    product = jax.jit(lambda a, b: a @ b)
+    seconds = alternating(
+        {
+            "ours": ours.train,
+            "acting": ours.act,
+            "drawing": ours.draw,
+            "plain": lambda: jax.block_until_ready(plain(keys)),
+            "product": lambda: jax.block_until_ready(product(square, square)),
+        }
+    )
+    rate, peak = STEPS / seconds["ours"], 2 * 512**3 / seconds["product"]
+    flops = flops_a_step(ours.lanes.learner.parameters)
+    share = {name: seconds[name] / seconds["ours"] for name in ("acting", "drawing")}
+    return [
+        Result("training, one processor", rate / 1e6, "M steps/s", ON),
+        Result("plain JAX loop / ours", seconds["plain"] / seconds["ours"], "x", "one processor"),
+        Result("matrix products at their peak", peak / 1e9, "GFLOP/s", "512 x 512, one processor"),
+        Result("training / that peak", rate * flops / peak, "", f"{flops:,} FLOP a step"),
+        Result("acting / training", share["acting"], "", "network, draws of actions, look-ups"),
+        Result("drawing numbers / training", share["drawing"], "", "one uniform number a step"),
+        Result("learning / training", 1 - sum(share.values()), "", "the rest: gradient, optimiser"),
+    ]
+
+
+class Loop:
+    """The compiled loop with what goes into it, and parts of it alone."""
+
+    def __init__(self, job: Job, settings: Settings, lanes: Lane) -> None:
+        self.task, self.program = job.task[0], replace(job.program, updates=UPDATES)
+        self.settings, self.lanes = settings, lanes
+
+    @classmethod
+    def of(cls, config: Config) -> "Loop":
+        job = Job.of(0, config)
+        return cls(
+            job,
+            _stacked([job.settings] * config.runs),
+            _stacked([job.start(run) for run in range(config.runs)]),
+        )
+
+    def train(self) -> None:
+        self.lanes, _ = jax.block_until_ready(
+            advance(self.task, self.settings, self.lanes, self.program)
+        )
+
+    def draw(self) -> None:
+        jax.block_until_ready(_draws(jax.random.key(0)))
+
+    def act(self) -> None:
+        """The rollouts of `train`, on the same draws, without learning from them."""
+        learners, places = self.lanes.learner, self.lanes.place
+        draws = jnp.broadcast_to(jnp.float32(0.5), (RUNS, UPDATES, A2C.rollout, A2C.envs))
+        jax.block_until_ready(self._act(learners, places, draws))
+
+    @partial(jax.jit, static_argnums=0)
+    def _act(self, learners: Any, places: Place, draws: Float[Array, "lanes updates T E"]):
+        def one_lane(learner, place, draws):
+            context: Any = Context(self.task, A2C, {}, jnp.float32(0), jax.random.key(0), jnp.abs)
+            act = partial(a2c.act, context, learner)
+            limit = jnp.float32(CONFIG.episode_limit)
+
+            def update(place, draws):
+                place, passed = rollout(self.task, act, place, limit, draws)
+                return place, passed.transition.sum()
+
+            return jax.lax.scan(update, place, draws)
+
+        return jax.vmap(one_lane)(learners, places, draws)
+
+
+@jax.jit
+def _draws(key: Array) -> Float[Array, "lanes updates T E"]:
+    keys = jax.random.split(key, RUNS)
+    shape = (UPDATES, A2C.rollout, A2C.envs)
+    return jax.vmap(lambda k: jax.random.uniform(k, shape))(keys)
+
+
+def flops_a_step(network: Any) -> int:
+    """Of the matrix products: one forward, two backward; looked-up rows have none."""
+    weights = sum(weight[0].size for weight, _ in network.layers)
+    return 3 * 2 * int(weights)
+
+
+def _stacked(trees: list[Any]) -> Any:
+    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *trees)

@@ -89,7 +89,9 @@ class Network(eqx.Module):
         layers = []
         change = of_outputs
         for (weight, _), given in zip(self.layers[::-1], activations[-2::-1], strict=True):
-            layers.append((given.T @ change, change.sum(axis=0)))
+            # The narrower factor is the one that is turned round: that is a copy of all of it.
+            product = (change.T @ given).T if change.shape[1] < given.shape[1] else given.T @ change
+            layers.append((product, change.sum(axis=0)))
             change = (change @ weight.T) * (1 - jnp.square(given))
         embedding = jnp.zeros_like(self.embedding)
         for factor in range(inputs.shape[-1]):

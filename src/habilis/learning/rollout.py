@@ -10,6 +10,8 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.learning.task import Task
 
+_TOGETHER = 5  # more steps compile longer and run no faster
+
 Numbers = dict[str, Float[Array, ""]]
 """The settings that are no part of the compiled program, by their names."""
 
@@ -84,7 +86,8 @@ def rollout(
         after = Place(jnp.where(ended, task.start, reached), jnp.where(ended, 0, steps))
         return after, Passed(place.state, transition, truncated, kept)
 
-    return jax.lax.scan(step, place, draws)
+    # A few steps a turn of the compiled loop: its turns cost as much as the small operations in it.
+    return jax.lax.scan(step, place, draws, unroll=min(_TOGETHER, len(draws)))
 
 
 def sampled(logits: Float[Array, "E A"], draw: Float[Array, "E"]) -> Int[Array, "E"]:
