@@ -10,7 +10,6 @@ import pytest
 
 import habilis as hb
 import habilis.studies.reproduce as reproduce_module
-from habilis.studies.calibrate import distance, settings_grid, vanilla_configs
 from habilis.studies.published import EXPERIMENTS
 from habilis.studies.settings import FULL, frozen_settings, row_config
 
@@ -162,29 +161,12 @@ def test_an_earlier_reproduction_is_replaced(paper, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["paper"]
 
 
-def test_all_rows_of_an_experiment_share_the_frozen_settings():
+def test_all_rows_share_the_frozen_settings():
+    settings = frozen_settings()
     for experiment in EXPERIMENTS:
-        settings = frozen_settings(experiment)
         for row in experiment.rows:
             config = row_config(experiment, row, FULL)
             values = config.as_dict()
             assert {name: values[name] for name in settings} == settings
             assert (config.intrinsic, config.beta) == (row.intrinsic, row.beta)
             assert config.runs == 10
-
-
-def test_the_frozen_settings_are_from_the_grid():
-    for experiment in EXPERIMENTS:
-        assert frozen_settings(experiment) in settings_grid()
-
-
-def test_the_calibration_trains_vanilla_agents_only():
-    for experiment in EXPERIMENTS:
-        configs = vanilla_configs(experiment, settings_grid()[0], {"seed": 1})
-        assert configs
-        assert not any(config.regularised for config in configs)
-
-
-def test_the_calibration_measures_distance_by_ratios():
-    assert distance([10, 10], [10, 10]) == 0
-    assert distance([20, 10], [10, 20]) == pytest.approx(distance([10, 40], [10, 10]))

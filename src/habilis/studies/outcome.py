@@ -65,7 +65,7 @@ class Reproduction:
             "quick": self.quick,
             "seconds": round(self.seconds, 1),
             "budget": self.budget,
-            "settings": {e.name: frozen_settings(e) for e in EXPERIMENTS},
+            "settings": frozen_settings(),
             "numbers": [asdict(n) | {"agrees": n.agrees} for n in self.numbers],
             "relations": [asdict(r) for r in self.relations],
             "learned": [asdict(r) for r in self.learned],

@@ -29,10 +29,10 @@ def write_report(reproduction: Reproduction, folder: Path) -> None:
                 "experiment": experiment,
                 "rows": table(experiment, reproduction.results[experiment.name]).to_dicts(),
                 "comparisons": comparisons(experiment, reproduction.results[experiment.name]),
-                "settings": frozen_settings(experiment),
             }
             for experiment in EXPERIMENTS
         ],
+        settings=frozen_settings(),
         figure=lambda name: _inline(folder / f"{name}.svg"),
     )
     (folder / "report.html").write_text(page, "utf-8")
