@@ -33,7 +33,7 @@ def test_its_rules_are_those_of_the_table(name):
 
 def test_it_learns():
     world = hb.World.parse("A.PCG", "row")
-    settings = A2C(learning_rate=5e-3)
+    settings = A2C(learning_rate=5e-3, reward_scale=1.0)
     _, reward = jax.jit(make_train(world, settings, updates=300))(jax.random.key(0))
     assert reward[:3].mean() < -0.9
     assert reward[-50:].mean() > -0.55, "the shortest plan has two steps: -1, then 0"

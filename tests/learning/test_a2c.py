@@ -19,7 +19,16 @@ from habilis.learning.rollout import Context
 from habilis.mdp import TabularMDP
 
 QUICK = Config(
-    algorithm=A2C(envs=8, rollout=4, learning_rate=5e-3, entropy=0.001, discount=0.5, hidden=(16,)),
+    algorithm=A2C(
+        envs=8,
+        rollout=4,
+        learning_rate=5e-3,
+        optimizer="rmsprop",
+        reward_scale=1.0,
+        entropy=0.001,
+        discount=0.5,
+        hidden=(16,),
+    ),
     seed=3,
 )
 BONUS = {"intrinsic": "state", "beta": 1.0}

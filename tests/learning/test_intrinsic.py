@@ -9,7 +9,16 @@ from habilis.learning.config import Config
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
-A2C_QUICK = A2C(envs=8, rollout=4, learning_rate=5e-3, entropy=0.001, discount=0.5, hidden=(16,))
+A2C_QUICK = A2C(
+    envs=8,
+    rollout=4,
+    learning_rate=5e-3,
+    optimizer="rmsprop",
+    reward_scale=1.0,
+    entropy=0.001,
+    discount=0.5,
+    hidden=(16,),
+)
 BONUS = Config(algorithm=A2C_QUICK, intrinsic="state", beta=1.0, seed=3)
 # To the left or to the right, both then to the end.
 FORK = TabularMDP.deterministic([[1, 2], [3, 3], [3, 3], [3, 3]], terminal=[0, 0, 0, 1])

@@ -109,12 +109,12 @@ def make_train(world: World, settings: A2C, updates: int):
     """A function from a key to what one run learned, to be compiled with `vmap` over keys.
 
     Returns:
-        The function; it gives the network and the mean reward of each update.
+        The function; it gives the network and the mean scaled reward of each update.
     """
     room = room_of(world)
     optimizer = optax.chain(
         optax.clip_by_global_norm(settings.clip),
-        optax.rmsprop(settings.learning_rate, decay=0.99, eps=1e-5),
+        optax.adam(settings.learning_rate),
     )
 
     def env_step(state: State, action: Int[Array, ""]):
@@ -122,7 +122,7 @@ def make_train(world: World, settings: A2C, updates: int):
         at_goal = jnp.all(after.can == room.goal)
         done = at_goal | (after.steps >= LIMIT)
         next_state = jax.tree.map(lambda new, old: jnp.where(done, new, old), room.start, after)
-        return next_state, jnp.where(at_goal, 0.0, -1.0), done
+        return next_state, jnp.where(at_goal, 0.0, -settings.reward_scale), done
 
     def train(key: PRNGKeyArray):
         key, for_network = jax.random.split(key)

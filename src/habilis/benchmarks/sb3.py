@@ -50,6 +50,7 @@ def on_one_processor() -> list[Result]:
         n_steps=settings.rollout,
         gamma=settings.discount,
         ent_coef=settings.entropy,
+        use_rms_prop=False,  # but Adam, as ours
         policy_kwargs={"net_arch": list(settings.hidden)},
         device="cpu",
         seed=0,
