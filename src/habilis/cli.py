@@ -321,6 +321,18 @@ def watch(args: Args) -> int:
     return 0 if episode.finished else 1
 
 
+def sweep(args: Args) -> int:
+    command = import_from("habilis.sweeps.command", "learn")
+    try:
+        result = command.run(args)
+    except KeyboardInterrupt as stop:
+        return _refuse(str(stop) or "interrupted", status=130)
+    if args.json:
+        return _print_json(result)
+    command.show(result)
+    return 0
+
+
 def reproduce(args: Args) -> int:
     study = import_from("habilis.studies.reproduce", "learn")
     result = study.reproduce(args.out, quick=args.quick, show_progress=True)
@@ -393,6 +405,7 @@ _VERBS: dict[str, Verb] = {
         compare,
         train,
         watch,
+        sweep,
         reproduce,
         bench,
     )

@@ -123,6 +123,15 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--speed", type=_positive, default=4.0, help="steps a second (default 4)")
 
     v = verb(
+        "sweep",
+        "train a grid of configurations, or search for the best",
+        "habilis sweep SPEC.toml --out sweeps/beta",
+    )
+    v.add_argument("spec", type=Path, metavar="SPEC.toml", help="what to vary; see the README")
+    v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
+    v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
+
+    v = verb(
         "reproduce",
         "recompute the paper: every table, figure and number",
         "habilis reproduce --out paper",

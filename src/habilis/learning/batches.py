@@ -1,7 +1,7 @@
 """Many runs on few processors: batches of lanes, refilled as runs end."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Any, NamedTuple
 
@@ -26,11 +26,26 @@ class Seat(NamedTuple):
     run: int
 
 
+class NotFiniteError(FloatingPointError):
+    """A loss or a parameter was not finite: of `job`, its run at the place `run`."""
+
+    def __init__(self, job: Job, run: int, message: str):
+        super().__init__(message)
+        self.job, self.run = job, run
+
+
+def workers() -> int:
+    """How many batches advance at once: one for each processor, or device."""
+    devices = jax.devices()
+    return max(processors() if devices[0].platform == "cpu" else 1, len(devices))
+
+
 def train_jobs(
-    jobs: list[Job],
+    jobs: Iterable[Job],
     on_progress: Callable[[Progress], None] | None = None,
     on_stretch: Callable[[], None] | None = None,
     stopped: Callable[[], bool] = lambda: False,
+    at_once: float = float("inf"),
 ) -> None:
     """Trains all runs of all jobs to their end; what they do goes into the jobs.
 
@@ -39,25 +54,34 @@ def train_jobs(
     called, the jobs hold a state that training can go on from.
 
     Args:
-        jobs: made ready, or restored.
+        jobs: made ready, or restored; taken one by one, as there is room.
         on_progress: called after every stretch, for the jobs in it.
         on_stretch: called after every stretch.
         stopped: asked after every stretch whether to leave it at that.
+        at_once: how many runs there is room for.
 
     Raises:
-        FloatingPointError: a loss or a parameter was not finite.
+        NotFiniteError: a loss or a parameter was not finite. The jobs can go on without that run.
     """
     keep_compiled()
-    waiting = [Seat(job, run) for job in jobs for run in range(job.config.runs)]
-    for seat in waiting:
-        if seat.run not in seat.job.lanes:
-            seat.job.lanes[seat.run] = seat.job.start(seat.run)
-    waiting = [seat for seat in waiting if not seat.job.records[seat.run].ended]
+    source, waiting = iter(jobs), list[Seat]()
     devices = jax.devices()
-    workers = max(processors() if devices[0].platform == "cpu" else 1, len(devices))
-    idle = [devices[i % len(devices)] for i in range(workers)]
+    idle = [devices[i % len(devices)] for i in range(workers())]
     working: dict[Future[tuple[list[Lane], Log]], tuple[list[Seat], Any]] = {}
-    with ThreadPoolExecutor(workers) as pool:
+
+    def let_in() -> None:
+        while len(waiting) + sum(len(seats) for seats, _ in working.values()) < at_once:
+            job = next(source, None)
+            if job is None:
+                return
+            for run, record in enumerate(job.records):
+                if run not in job.lanes:
+                    job.lanes[run] = job.start(run)
+                if not record.ended:
+                    waiting.append(Seat(job, run))
+
+    let_in()
+    with ThreadPoolExecutor(len(idle)) as pool:
         while working or (waiting and not stopped()):
             while waiting and idle and not stopped():
                 seats = _next_batch(waiting)
@@ -75,6 +99,8 @@ def train_jobs(
                         on_progress(progress(job.index, job.records))
                 if on_stretch is not None:
                     on_stretch()
+            if not stopped():
+                let_in()
 
 
 def _next_batch(waiting: list[Seat]) -> list[Seat]:
@@ -108,10 +134,12 @@ def _enter(seats: list[Seat], lanes: list[Lane], log: Log) -> None:
         envs = log.transition.shape[-1]
         if not np.isfinite(log.loss[place]).all() or not _finite(lane.learner.parameters):
             what = "parameters of" if np.isfinite(log.loss[place]).all() else "loss of"
-            raise FloatingPointError(
-                f"{job.world.name}: the {what} run {run} stopped being finite between steps "
-                f"{record.steps:,} and {record.steps + job.program.steps:,} "
-                f"({record.count:,} episodes); lower learning_rate or reward_scale"
+            raise NotFiniteError(
+                job,
+                run,
+                f"{job.world.name}: the {what} run {job.numbers[run]} stopped being finite between "
+                f"steps {record.steps:,} and {record.steps + job.program.steps:,} "
+                f"({record.count:,} episodes); lower learning_rate or reward_scale",
             )
         did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
         record.add(*(part.reshape(-1, envs) for part in did))

@@ -1,7 +1,8 @@
 """Configurations made ready for training."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from habilis.learning import intrinsic
-from habilis.learning.config import Config
+from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
@@ -21,6 +22,9 @@ from habilis.worlds.world import World, load_world
 
 STRETCH = 20_000
 """Environment steps of one run between two looks at it from Python."""
+
+KEPT = 16
+"""How many worlds, and how many tables of values, are kept for the jobs that share them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +38,8 @@ class Job:
         mdp: its table.
         best_return: of a shortest plan.
         table: float64[S], the intrinsic value of every state, where it is a table.
+        numbers: of its runs, from which their random numbers come; 0 up, unless it has only some
+            of them. Elsewhere a run is meant by its place among these.
         records: of its runs.
         lanes: of its runs, as they were after the last stretch, in NumPy arrays.
     """
@@ -44,34 +50,39 @@ class Job:
     mdp: TabularMDP
     best_return: float
     table: Float[np.ndarray, "S"]
+    numbers: tuple[int, ...]
     records: list[Record]
     lanes: dict[int, Lane]
 
     @classmethod
-    def of(cls, index: int, config: Config, world: World | None = None) -> "Job":
+    def of(
+        cls,
+        index: int,
+        config: Config,
+        world: World | None = None,
+        numbers: Sequence[int] | None = None,
+    ) -> "Job":
         """Makes a configuration ready.
 
         Args:
             index: its place among those trained together.
             config: the configuration.
             world: its world, if that is not to be read from where the configuration says.
+            numbers: which of its runs, if not all.
 
         Raises:
             ValueError: a world, tool or sensor does not exist, or the goal is out of reach.
         """
         world = load_world(config.world, config.tool) if world is None else world
-        mdp = tabulate(world)
-        plan = solve(mdp)
-        if plan is None:
-            raise ValueError(f"{world.name}: the goal cannot be reached; open a way to it")
-        ledger = Ledger.of(mdp)
-        records = [Record(config, plan.best_return, ledger) for _ in range(config.runs)]
-        table = intrinsic.value_table(mdp, config)
-        return cls(index, config, world, mdp, plan.best_return, table, records, {})
+        mdp, best_return, ledger = _tabulated(world)
+        numbers = tuple(range(config.runs) if numbers is None else numbers)
+        records = [Record(config, best_return, ledger) for _ in numbers]
+        table = _values(world, config.intrinsic, config.horizon)
+        return cls(index, config, world, mdp, best_return, table, numbers, records, {})
 
     @cached_property
     def task(self) -> tuple[Task, int]:
-        return make_task(self.mdp)
+        return _task(self.world)
 
     @cached_property
     def program(self) -> Program:
@@ -83,13 +94,13 @@ class Job:
 
     def start(self, run: int) -> Lane:
         """A run before its first step; its random numbers are its own."""
-        key = jax.random.fold_in(jax.random.key(self.config.seed), run)
+        key = jax.random.fold_in(jax.random.key(self.config.seed), self.numbers[run])
         lanes = start_lanes(self.task[0], self.program, key[None])
         return jax.tree.map(lambda leaf: np.asarray(leaf)[0], lanes)
 
     def result(self) -> Run:
         """What training gave, when all runs have ended."""
-        learned = [self.lanes[run].learner.parameters for run in range(self.config.runs)]
+        learned = [self.lanes[run].learner.parameters for run in range(len(self.records))]
         return Run(
             config=self.config,
             world=self.world,
@@ -98,3 +109,29 @@ class Job:
             converged_at=tuple(record.converged_at for record in self.records),
             parameters=jax.tree.map(lambda *leaves: jnp.stack(leaves), *learned),
         )
+
+
+# What many jobs share is made once: a sweep has thousands of them on a few worlds.
+
+
+@lru_cache(KEPT)
+def _tabulated(world: World) -> tuple[TabularMDP, float, Ledger]:
+    mdp = tabulate(world)
+    plan = solve(mdp)
+    if plan is None:
+        raise ValueError(f"{world.name}: the goal cannot be reached; open a way to it")
+    return mdp, plan.best_return, Ledger.of(mdp)
+
+
+@lru_cache(KEPT)
+def _task(world: World) -> tuple[Task, int]:
+    return make_task(_tabulated(world)[0])
+
+
+@lru_cache(KEPT)
+def _values(world: World, intrinsic_reward: str, horizon: int) -> Float[np.ndarray, "S"]:
+    weight = float(intrinsic_reward != NO_INTRINSIC)
+    config = Config(intrinsic=intrinsic_reward, horizon=horizon, beta=weight)
+    table = intrinsic.value_table(_tabulated(world)[0], config)
+    table.flags.writeable = False
+    return table

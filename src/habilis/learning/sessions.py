@@ -1,15 +1,10 @@
 """Training in a folder: interrupted at any moment, it goes on where it was."""
 
 import json
-import signal
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
-
-from filelock import FileLock, Timeout
 
 from habilis.learning import checkpoints
 from habilis.learning.batches import train_jobs
@@ -25,14 +20,9 @@ from habilis.learning.folder import (
     read_world,
     saving,
 )
+from habilis.learning.interruption import Interrupted, alone, stop_signals
 from habilis.learning.jobs import Job
 from habilis.learning.runs import Progress, Run
-
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
-
-
-class Interrupted(KeyboardInterrupt):
-    """Training was stopped from outside; the message says how to go on."""
 
 
 def train_in_folder(
@@ -58,7 +48,7 @@ def train_in_folder(
         return load_run(folder)
     with saving(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    with _alone(folder):
+    with alone(folder):
         if there:
             for line in checkpoints.restore(job, folder):
                 print(f"habilis: {line}", file=sys.stderr)
@@ -91,7 +81,7 @@ def _train(
                 checkpoints.save(job, folder)
             saved = time.monotonic()
 
-    with _stop_signals() as stopped:
+    with stop_signals() as stopped:
         try:
             train_jobs([job], on_progress, look, stopped)
         except FloatingPointError as error:
@@ -105,46 +95,3 @@ def _train(
     with saving(folder):
         finish(run, folder)
     return run
-
-
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Holds the folder's lock, which the system lets go when the process ends, however it does."""
-    lock = FileLock(folder / "lock")
-    try:
-        lock.acquire(timeout=0)
-    except Timeout:
-        raise ValueError(
-            f"{folder}: another process trains in it; wait for it, or name another folder"
-        ) from None
-    except OSError as error:
-        raise ValueError(f"{folder}: cannot be written ({error.strerror or error})") from None
-    try:
-        yield
-    finally:
-        lock.release()
-
-
-@contextmanager
-def _stop_signals() -> Iterator[Callable[[], bool]]:
-    """Whether Ctrl-C or SIGTERM has come. A second one ends the process as it always does."""
-    asked = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield asked.is_set
-        return
-    before = {number: signal.getsignal(number) for number in _SIGNALS}
-
-    def restore() -> None:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-    def stop(number: int, frame: object) -> None:
-        asked.set()
-        restore()
-
-    for number in _SIGNALS:
-        signal.signal(number, stop)
-    try:
-        yield asked.is_set
-    finally:
-        restore()

@@ -1,0 +1,1 @@
+"""Many configurations at once: grids and searches, on one machine or many."""

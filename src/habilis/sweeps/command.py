@@ -1,0 +1,92 @@
+"""`habilis sweep` on the terminal."""
+
+from argparse import Namespace
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import Any
+
+import polars as pl
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from habilis.sweeps.spec import Spec, read_spec
+from habilis.sweeps.sweep import Executor, OnProgress, sweep
+from habilis.sweeps.tasks import run_tasks
+
+
+def run(args: Namespace) -> dict[str, Any]:
+    """Does what the command line asks for.
+
+    Returns:
+        "points", a row a point with its settings, how many of its runs converged and their
+        mean episodes; "out"; for a search also "best", the number of the best point.
+    """
+    spec = read_spec(args.spec)
+    with _executor(args) as executor, _bar() as on_progress:
+        frame = sweep(
+            spec.grid, args.out, executor=executor, resume=args.resume, on_progress=on_progress
+        )
+        best: dict[str, Any] = {}
+    return {"points": summary(frame, spec).to_dicts(), **best, "out": str(args.out)}
+
+
+def summary(frame: pl.DataFrame, spec: Spec) -> pl.DataFrame:
+    """What became of each point.
+
+    Returns:
+        One row a point: "point", the settings that differ, "runs", "converged", and
+        "mean_episodes" of those that converged.
+    """
+    varied = [name for name in spec.varied if name in frame.columns and name != "runs"]
+    return frame.group_by("point", *varied, maintain_order=True).agg(
+        pl.len().alias("runs"),
+        pl.col("converged_at").count().alias("converged"),
+        pl.col("converged_at").mean().alias("mean_episodes"),
+    )
+
+
+def show(result: dict[str, Any]) -> None:
+    """Prints the table."""
+    table = Table(box=None)
+    rows = result["points"]
+    for name in rows[0]:
+        table.add_column(name.replace("_", " "), justify="right")
+    for row in rows:
+        table.add_row(*map(_shown, row.values()))
+    console = Console(highlight=False)
+    console.print(table)
+    print(f"all results: {result['out']}")
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _executor(args: Namespace) -> AbstractContextManager[Executor]:
+    return nullcontext(run_tasks)
+
+
+@contextmanager
+def _bar() -> Iterator[OnProgress]:
+    """A bar on standard error, from the first report on."""
+    columns = (
+        TextColumn("tasks"),
+        BarColumn(bar_width=20),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    bar = Progress(*columns, console=Console(stderr=True))
+    whole = bar.add_task("tasks", total=None)
+
+    def show(done: int, total: int) -> None:
+        bar.start()
+        bar.update(whole, completed=done, total=total)
+
+    try:
+        yield show
+    finally:
+        if bar.live.is_started:
+            bar.stop()
