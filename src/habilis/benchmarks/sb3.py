@@ -3,7 +3,6 @@
 `make bench-sb3` makes that environment and measures.
 """
 
-import time
 from typing import Any
 
 import numpy as np

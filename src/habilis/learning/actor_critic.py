@@ -81,7 +81,8 @@ def normalised(advantage: Float[Array, "*n"]) -> Float[Array, "*n"]:
 def entropy_weight(context: Context) -> Float[Array, ""]:
     """After so many environment steps."""
     n = context.numbers
-    return linearly(n["entropy"], n["entropy_end"], n["entropy_steps"], context.taken)
+    since = context.taken - n["entropy_hold"]
+    return linearly(n["entropy"], n["entropy_end"], n["entropy_steps"], since)
 
 
 def descended(context: Context, learner: Learner, gradient: Any) -> Learner:

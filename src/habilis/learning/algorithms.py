@@ -22,6 +22,7 @@ _CLIP = "largest norm of the gradient"
 _ENTROPY = "weight of the policy's entropy (nats) in the loss"
 _ENTROPY_END = "weight of the entropy after entropy_steps"
 _ENTROPY_STEPS = "environment steps over which that weight changes linearly; 0: it does not"
+_ENTROPY_HOLD = "environment steps before it begins to change"
 _VALUE = "weight of the value's squared error in the loss"
 _DISCOUNT = "discount factor, gamma"
 _LAMBDA = "lambda of the generalised advantage; 1: n-step returns"
@@ -45,6 +46,7 @@ class A2C:
     entropy: float = setting(0.02, _ENTROPY)
     entropy_end: float = setting(0.02, _ENTROPY_END)
     entropy_steps: int = setting(0, _ENTROPY_STEPS)
+    entropy_hold: int = setting(0, _ENTROPY_HOLD)
     value: float = setting(0.5, _VALUE)
     discount: float = setting(0.99, _DISCOUNT)
     gae_lambda: float = setting(1.0, _LAMBDA)
@@ -71,6 +73,7 @@ class PPO:
     entropy: float = setting(0.02, _ENTROPY)
     entropy_end: float = setting(0.0, _ENTROPY_END)
     entropy_steps: int = setting(0, _ENTROPY_STEPS)
+    entropy_hold: int = setting(0, _ENTROPY_HOLD)
     value: float = setting(0.5, _VALUE)
     discount: float = setting(0.99, _DISCOUNT)
     gae_lambda: float = setting(0.95, _LAMBDA)
@@ -148,7 +151,8 @@ def name_of(algorithm: Algorithm) -> str:
 def _check_network(algorithm: A2C | PPO) -> None:
     object.__setattr__(algorithm, "hidden", widths(algorithm.hidden))
     check_types(algorithm)
-    at_least(algorithm, envs=1, rollout=1, entropy=0, entropy_end=0, entropy_steps=0, value=0)
+    at_least(algorithm, envs=1, rollout=1, entropy=0, entropy_end=0, value=0)
+    at_least(algorithm, entropy_steps=0, entropy_hold=0)
     above_zero(algorithm, "learning_rate", "clip", "reward_scale")
     share(algorithm, "discount", "gae_lambda")
     one_of(algorithm, "optimizer", OPTIMIZERS)

@@ -23,7 +23,7 @@ def run(args: Namespace) -> dict[str, Any]:
         mean episodes; "out"; for a search also "best", the number of the best point.
     """
     spec = read_spec(args.spec)
-    with _executor(args) as executor, _bar() as on_progress:
+    with _executor(args) as executor, progress_bar() as on_progress:
         frame = sweep(
             spec.grid, args.out, executor=executor, resume=args.resume, on_progress=on_progress
         )
@@ -70,7 +70,7 @@ def _executor(args: Namespace) -> AbstractContextManager[Executor]:
 
 
 @contextmanager
-def _bar() -> Iterator[OnProgress]:
+def progress_bar() -> Iterator[OnProgress]:
     """A bar on standard error, from the first report on."""
     columns = (
         TextColumn("tasks"),

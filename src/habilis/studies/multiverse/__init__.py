@@ -1,0 +1,1 @@
+"""The second part of the report: what the paper's claims depend on."""

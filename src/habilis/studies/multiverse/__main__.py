@@ -1,0 +1,42 @@
+"""python -m habilis.studies.multiverse --out docs/multiverse --work multiverse"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from habilis.learning.interruption import Interrupted
+from habilis.studies.multiverse.report import write_study
+from habilis.studies.multiverse.settings import agents, other_maps
+from habilis.studies.multiverse.study import Study, joined
+from habilis.sweeps.command import progress_bar
+from habilis.sweeps.sweep import sweep
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="habilis.studies.multiverse", description=__doc__)
+    parser.add_argument("--out", type=Path, required=True, help="where the page and data go")
+    parser.add_argument("--work", type=Path, required=True, help="where finished runs are kept")
+    args = parser.parse_args()
+    everyone = agents(other_maps())
+    try:
+        with progress_bar() as on_progress:
+            results = sweep(
+                [agent.config for agent in everyone],
+                args.work,
+                resume=True,
+                on_progress=on_progress,
+            )
+    except Interrupted:
+        print(
+            f"habilis: stopped; what is finished is in {args.work}: call it again to go on",
+            file=sys.stderr,
+        )
+        return 130
+    study = Study.of(joined(everyone, results))
+    write_study(study, args.out)
+    print(args.out / "report.html")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

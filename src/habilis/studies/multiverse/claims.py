@@ -1,0 +1,213 @@
+"""What each setting says of each of the paper's claims."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import polars as pl
+from jaxtyping import Float
+
+from habilis.studies.tables import Outcome, mann_whitney
+
+MEASURES = ("episodes", "steps")
+"""What is counted until convergence: episodes, as in the paper, or environment steps."""
+
+KEYS = ("part", "learner", "map", "tool", "reward", "horizon", "beta", "how")
+"""What names an agent in the results."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """An order of two agents that the paper states.
+
+    Attributes:
+        name: in a few words.
+        sooner, later: what distinguishes the two agents, by the columns of the results; the rest
+            of the setting is the same.
+    """
+
+    name: str
+    sooner: dict[str, str]
+    later: dict[str, str]
+
+
+def _against_vanilla(world: str, tool: str, reward: str) -> Claim:
+    where = {"map": world, "tool": tool}
+    return Claim(
+        f"{reward} before vanilla ({world}, {tool})",
+        where | {"reward": reward},
+        where | {"reward": "none"},
+    )
+
+
+CLAIMS = (
+    _against_vanilla("corridor", "picker", "TOE"),
+    _against_vanilla("corridor", "picker", "FOE"),
+    Claim(
+        "TOE before FOE (corridor)",
+        {"map": "corridor", "reward": "TOE"},
+        {"map": "corridor", "reward": "FOE"},
+    ),
+    _against_vanilla("yard", "picker", "TOE"),
+    _against_vanilla("yard", "broom", "TOE"),
+    Claim(
+        "picker before broom, vanilla (yard)",
+        {"map": "yard", "tool": "picker", "reward": "none"},
+        {"map": "yard", "tool": "broom", "reward": "none"},
+    ),
+    Claim(
+        "larger average TOE first, with TOE (yard)",
+        {"map": "yard", "tool": "picker", "reward": "TOE"},
+        {"map": "yard", "tool": "broom", "reward": "TOE"},
+    ),
+)
+"""The picker's average TOE is the larger one on all maps and at all horizons here, so the last
+claim is about the two tools as the one before; a test holds that fact."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the runs of one setting say of a claim.
+
+    Attributes:
+        superiority: how often a run of the agent that should come first did (ties count half).
+        p: two-sided, Mann and Whitney's; runs that were given up took longer than all others.
+        sooner_converged, later_converged: how many of the runs did.
+    """
+
+    superiority: float
+    p: float
+    sooner_converged: int
+    later_converged: int
+
+    @property
+    def outcome(self) -> Outcome:
+        if not self.p < 0.05:
+            return Outcome.UNDECIDED
+        return Outcome.HOLDS if self.superiority > 0.5 else Outcome.OPPOSITE
+
+
+def counts(runs: pl.DataFrame, measure: str) -> Float[np.ndarray, "runs"]:
+    """Episodes or environment steps to convergence; infinite where a run did not converge."""
+    column = {"episodes": "converged_at", "steps": "steps_had"}[measure]
+    values = runs[column].cast(pl.Float64).fill_null(np.inf).to_numpy()
+    return np.where(runs["converged_at"].is_null().to_numpy(), np.inf, values)
+
+
+def verdict(sooner: pl.DataFrame, later: pl.DataFrame, measure: str) -> Verdict:
+    """Two agents' runs held against each other."""
+    a, b = counts(sooner, measure), counts(later, measure)
+    superiority, p = mann_whitney(a, b)
+    return Verdict(superiority, p, int(np.isfinite(a).sum()), int(np.isfinite(b).sum()))
+
+
+def multiverse(results: pl.DataFrame) -> pl.DataFrame:
+    """Every claim in every setting.
+
+    Args:
+        results: a row a run, of the part "multiverse", with the columns `KEYS`.
+
+    Returns:
+        A row for each claim, learner, horizon, beta and measure: "superiority", "p", "outcome" and
+        how many runs converged. A claim about vanilla agents alone has one setting a learner and
+        measure (horizon and beta are null).
+    """
+    rows = []
+    for claim in CLAIMS:
+        sooner = _chosen(results, claim.sooner)
+        later = _chosen(results, claim.later)
+        for key, runs in sooner.group_by("learner", "horizon", "beta", maintain_order=True):
+            learner, horizon, beta = key
+            other = later.filter(pl.col("learner") == learner)
+            if claim.later["reward"] != "none":
+                other = other.filter(horizon=horizon, beta=beta)
+            for measure in MEASURES:
+                rows.append(
+                    {"claim": claim.name, "learner": learner}
+                    | _setting(claim, horizon, beta)
+                    | {"measure": measure}
+                    | _row(verdict(runs, other, measure))
+                )
+    return pl.DataFrame(rows, infer_schema_length=None)
+
+
+def on_maps(results: pl.DataFrame) -> pl.DataFrame:
+    """Every claim on every map, with the paper's horizons and betas.
+
+    Args:
+        results: as above, of the part "maps"; "map" is a map's name, such as "yard-03".
+
+    Returns:
+        A row for each claim and map of its world, as above.
+    """
+    rows = []
+    for claim in CLAIMS:
+        world = claim.sooner["map"]
+        names = results["map"].unique().sort().to_list()
+        for name in [name for name in names if name.startswith(world)]:
+            sooner, later = (
+                _chosen(results, side | {"map": name}) for side in (claim.sooner, claim.later)
+            )
+            for measure in MEASURES:
+                told = verdict(sooner, later, measure)
+                rows.append({"claim": claim.name, "map": name, "measure": measure} | _row(told))
+    return pl.DataFrame(rows)
+
+
+def shares(verdicts: pl.DataFrame, by: Sequence[str] = ()) -> pl.DataFrame:
+    """In what share of the settings each claim holds, is undecided, or is the other way round.
+
+    Args:
+        verdicts: of `multiverse` or `on_maps`.
+        by: columns to tell apart besides the claim.
+
+    Returns:
+        A row for each claim (and value of `by`): "settings", and the shares "holds", "undecided"
+        and "opposite".
+    """
+    outcomes = [(pl.col("outcome") == o.value).mean().alias(o.value) for o in Outcome]
+    grouped = verdicts.group_by("claim", *by, maintain_order=True)
+    return grouped.agg(pl.len().alias("settings"), *outcomes)
+
+
+def explained(verdicts: pl.DataFrame) -> pl.DataFrame:
+    """Which choice decides a claim: how much of the superiority's variance each one explains.
+
+    The share of the total sum of squares that lies between the values of one choice (eta squared);
+    in a full grid these and what only their combinations explain add up to 1.
+
+    Returns:
+        A row for each claim, a column for each choice; null where a claim has no such choice.
+    """
+    choices = ("learner", "horizon", "beta", "measure")
+    rows = []
+    for (claim,), part in verdicts.group_by("claim", maintain_order=True):
+        values = part["superiority"].to_numpy()
+        total = np.square(values - values.mean()).sum()
+        row: dict[str, object] = {"claim": claim}
+        for choice in choices:
+            groups = part.group_by(choice).agg(pl.col("superiority").mean(), pl.len())
+            off = groups["superiority"].to_numpy() - values.mean()
+            between = (groups["len"].to_numpy() * np.square(off)).sum()
+            row[choice] = float(between / total) if len(groups) > 1 and total > 0 else None
+        rows.append(row)
+    return pl.DataFrame(rows, schema={"claim": pl.String} | dict.fromkeys(choices, pl.Float64))
+
+
+def _setting(claim: Claim, horizon: int, beta: float) -> dict[str, object]:
+    bare = claim.sooner["reward"] == "none"
+    return {"horizon": None if bare else horizon, "beta": None if bare else beta}
+
+
+def _chosen(results: pl.DataFrame, values: dict[str, str]) -> pl.DataFrame:
+    return results.filter(**values)  # pyright: ignore[reportArgumentType]
+
+
+def _row(told: Verdict) -> dict[str, object]:
+    return {
+        "superiority": told.superiority,
+        "p": told.p,
+        "outcome": told.outcome.value,
+        "sooner_converged": told.sooner_converged,
+        "later_converged": told.later_converged,
+    }

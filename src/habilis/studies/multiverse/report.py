@@ -1,0 +1,131 @@
+"""The second part as a page, pictures and data."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+from matplotlib.figure import Figure
+
+from habilis.learning.checkpoints import write_whole
+from habilis.studies.multiverse import claims, pictures
+from habilis.studies.multiverse.settings import (
+    BETAS,
+    HORIZONS,
+    LEARNERS,
+    RUNS,
+    SHAPINGS,
+    STEPS,
+)
+from habilis.studies.multiverse.study import Study, aggregate, paper_curves
+from habilis.studies.page import inlined, render
+from habilis.worlds.pictures import save_figure
+
+
+def write_study(study: Study, folder: Path) -> None:
+    """Writes `report.html`, every picture as SVG, and the data as CSV, into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    data = {
+        "runs": study.runs.drop("curve"),
+        "multiverse": study.multiverse,
+        "maps": study.maps,
+        "optima": study.optima,
+        "rows": study.rows,
+    }
+    for name, frame in data.items():
+        write_whole(folder / f"{name}.csv", frame.write_csv)
+    for name, figure in _figures(study):
+        save_figure(figure, folder / f"{name}.svg")
+    page = render(
+        "multiverse.html",
+        figure=lambda name: inlined(folder / f"{name}.svg"),
+        shares=claims.shares(study.multiverse.filter(measure="episodes")).to_dicts(),
+        shares_by_learner=claims.shares(
+            study.multiverse.filter(measure="episodes"), ["learner"]
+        ).to_dicts(),
+        maps=claims.shares(study.maps.filter(measure="episodes")).to_dicts(),
+        map_names=study.maps["map"].unique().sort().to_list(),
+        rows=study.rows.to_dicts(),
+        aggregate=aggregate(study.runs).to_dicts(),
+        optima=study.optima.to_dicts(),
+        settings=settings_count(study),
+        learners=LEARNERS,
+        betas=BETAS,
+        horizons=HORIZONS,
+        runs=RUNS,
+        steps=STEPS,
+        shapings=SHAPINGS,
+        trained=len(study.runs),
+    )
+    write_whole(folder / "report.html", lambda file: file.write(page.encode()))
+
+
+def settings_count(study: Study) -> int:
+    """How many settings the multiverse has: learner, horizon and beta."""
+    return study.multiverse.drop_nulls("beta").select("learner", "horizon", "beta").n_unique()
+
+
+def _figures(study: Study) -> Iterator[tuple[str, Figure]]:
+    episodes = study.multiverse.filter(measure="episodes")
+    yield (
+        "shares",
+        pictures.shares_figure(
+            {
+                f"{settings_count(study)} settings, in episodes": claims.shares(episodes),
+                "the same, in environment steps": claims.shares(
+                    study.multiverse.filter(measure="steps")
+                ),
+                "all maps, paper's horizon and beta": claims.shares(
+                    study.maps.filter(measure="episodes")
+                ),
+            }
+        ),
+    )
+    yield "choices", pictures.choices_figure(study.multiverse, study.changed(), "episodes")
+    yield "explained", pictures.explained_figure(claims.explained(study.multiverse))
+    yield "maps", pictures.maps_figure(study.maps, "episodes")
+    curves = paper_curves(study.runs)
+    best = {
+        world: float(study.runs.filter(map=world)["best_return"].max())  # pyright: ignore[reportArgumentType]
+        for world in curves
+    }
+    yield "curves", pictures.curves_figure(curves, best)
+    yield (
+        "aggregate",
+        pictures.intervals_figure(
+            {
+                "all worlds and tools": aggregate(study.runs).with_columns(
+                    note=pl.lit(""), complete=True
+                )
+            },
+            "episodes to convergence / vanilla's mean (interquartile mean, 95 % interval)",
+        ),
+    )
+    yield (
+        "shaping",
+        pictures.intervals_figure(
+            {
+                f"{world}, {tool}": _shaping_panel(study.rows, world, tool)
+                for world, tool in (("corridor", "picker"), ("yard", "picker"), ("yard", "broom"))
+            },
+            "episodes to convergence (interquartile mean, 95 % interval)",
+        ),
+    )
+
+
+def _shaping_panel(rows: pl.DataFrame, world: str, tool: str) -> pl.DataFrame:
+    part = rows.filter(map=world, tool=tool).sort("reward", "beta", maintain_order=True)
+    names = [
+        "vanilla"
+        if row["reward"] == "none"
+        else f"{row['reward']}, beta {row['beta']:g}, {row['how']}"
+        for row in part.iter_rows(named=True)
+    ]
+    panel = part.select(
+        *("middle", "low", "high"),
+        pl.Series("agent", names),
+        pl.format("{} of {}", "converged", "runs").alias("note"),
+        (pl.col("converged") == pl.col("runs")).alias("complete"),
+    )
+    order = np.argsort([name != "vanilla" for name in names], kind="stable")
+    return panel[order.tolist()]

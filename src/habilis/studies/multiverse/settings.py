@@ -1,0 +1,154 @@
+"""What is trained: every combination of the choices that a researcher has."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from habilis.learning.config import Config
+from habilis.studies.published import EXPERIMENTS
+from habilis.studies.settings import frozen_settings
+
+MAPS = Path(__file__).parents[1] / "data" / "maps"
+BUILTIN = Path(__file__).parents[2] / "worlds" / "builtin"
+
+BETAS = (0.04, 0.08, 0.15, 0.3)
+HORIZONS = (1, 3, 6, 8)
+RUNS, SEED = 10, 4001
+STEPS = 1_500_000
+"""Environment steps after which a run is given up."""
+
+LEARNERS: dict[str, dict[str, Any]] = {
+    "A2C": {},  # as frozen for the paper's tables
+    "A2C, lambda 0.95": {"gae_lambda": 0.95},
+    "A2C, learning rate 2e-3": {"learning_rate": 2e-3},
+    "PPO": {"algorithm": "ppo", "envs": 16, "rollout": 32, "normalise": False},
+    "Q-learning": {
+        "algorithm": "q-learning",
+        "learning_rate": 0.5,
+        "epsilon": 0.1,
+        "epsilon_end": 0.002,
+        "epsilon_steps": 200_000,
+    },
+}
+"""Training choices, by the names that pictures show."""
+
+
+@dataclass(frozen=True)
+class Agent:
+    """One thing to train ten times.
+
+    Attributes:
+        part: of the study: "multiverse", "maps" or "shaping".
+        learner: of `LEARNERS`.
+        map: name of the world.
+        tool: in it.
+        reward: "none", "FOE" or "TOE".
+        horizon, beta: of that reward; 0 for "none".
+        how: how the bonus is given: "plain", or a name of `SHAPINGS`.
+        config: what is trained.
+    """
+
+    part: str
+    learner: str
+    map: str
+    tool: str
+    reward: str
+    horizon: int
+    beta: float
+    how: str
+    config: Config
+
+
+SHAPINGS: dict[str, dict[str, Any]] = {
+    "plain": {},
+    "potential": {"earned": "difference"},
+    "linear decay": {"beta_schedule": "linear", "beta_steps": 300_000},
+    "halving": {"beta_schedule": "exponential", "beta_steps": 100_000},
+}
+_SENSOR = {"none": "none", "FOE": "state", "TOE": "object"}
+WORLDS = (
+    ("corridor", "picker", ("FOE", "TOE")),
+    ("yard", "picker", ("TOE",)),
+    ("yard", "broom", ("TOE",)),
+)
+"""Each world and tool of the paper, and with which rewards it is learned."""
+
+
+def agents(maps: dict[str, Path]) -> list[Agent]:
+    """All agents of the second part: the multiverse, the other maps, the shapings.
+
+    Args:
+        maps: other maps by name, such as "corridor-01"; they play the part of the world whose
+            name they begin with.
+    """
+    return [*_multiverse(), *_on_maps(maps), *_shapings()]
+
+
+def _multiverse() -> Iterator[Agent]:
+    for learner in LEARNERS:
+        for world, tool, rewards in WORLDS:
+            yield _agent("multiverse", learner, world, tool)
+            for reward in rewards:
+                for horizon in HORIZONS:
+                    for beta in BETAS:
+                        yield _agent("multiverse", learner, world, tool, reward, horizon, beta)
+
+
+def _on_maps(maps: dict[str, Path]) -> Iterator[Agent]:
+    """The rows of the paper's tables, each on every map of its world."""
+    for name, path in maps.items():
+        for world, tool, reward, horizon, beta in _rows():
+            if name.startswith(world):
+                yield _agent("maps", "A2C", name, tool, reward, horizon, beta, path=path)
+
+
+def _shapings() -> Iterator[Agent]:
+    """The rows of the paper's tables, at its beta and at one that harms, given in each way."""
+    for world, tool, reward, horizon, beta in _rows():
+        if reward == "none":
+            yield _agent("shaping", "A2C", world, tool)
+            continue
+        for weight in (beta, 0.3):
+            for how in SHAPINGS:
+                yield _agent("shaping", "A2C", world, tool, reward, horizon, weight, how)
+
+
+def _rows() -> Iterator[tuple[str, str, str, int, float]]:
+    names = {sensor: reward for reward, sensor in _SENSOR.items()}
+    for experiment in EXPERIMENTS:
+        for row in experiment.rows:
+            yield experiment.world, row.tool, names[row.intrinsic], row.horizon, row.beta
+
+
+def _agent(
+    part: str,
+    learner: str,
+    world: str,
+    tool: str,
+    reward: str = "none",
+    horizon: int = 0,
+    beta: float = 0.0,
+    how: str = "plain",
+    path: Path | None = None,
+) -> Agent:
+    config = Config.from_dict(frozen_settings()).changed(**LEARNERS[learner])
+    config = config.changed(
+        world=world if path is None else str(path),
+        tool=tool,
+        intrinsic=_SENSOR[reward],
+        horizon=horizon,
+        beta=beta,
+        **SHAPINGS[how],
+        runs=RUNS,
+        seed=SEED,
+        episodes=1_000_000,
+        steps=STEPS,
+    )
+    return Agent(part, learner, world, tool, reward, horizon, beta, how, config)
+
+
+def other_maps() -> dict[str, Path]:
+    """The built-in worlds and all reconstructions that are checked in, by name."""
+    found = {path.stem: path for path in sorted(MAPS.glob("*.txt"))}
+    return {world: BUILTIN / f"{world}.txt" for world, *_ in WORLDS} | found

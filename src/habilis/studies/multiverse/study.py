@@ -1,0 +1,203 @@
+"""The second part of the report, from training to page.
+
+python -m habilis.studies.multiverse --out docs/multiverse --work multiverse
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import polars as pl
+
+from habilis.empowerment.core import empowerment
+from habilis.learning.intervals import (
+    bootstrap_interval,
+    interquartile_mean,
+    stratified_interval,
+)
+from habilis.studies.multiverse import claims
+from habilis.studies.multiverse.optimum import return_of_the_best_policy
+from habilis.studies.multiverse.settings import BETAS, HORIZONS, WORLDS, Agent
+from habilis.studies.published import EXPERIMENTS
+from habilis.studies.settings import frozen_settings
+from habilis.worlds.plans import solve
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import load_world
+
+_MARGIN = 0.9  # of the paper's criterion
+_SENSOR = {"FOE": "state", "TOE": "object"}
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """All that the second part says.
+
+    Attributes:
+        runs: a row a run of every agent (`settings.Agent`), with what it came to.
+        multiverse, maps: `claims.multiverse`, `claims.on_maps`.
+        optima: for each world, tool, reward, horizon and beta the extrinsic return of the best
+            policy for the regularised reward, and the best there is.
+        rows: the paper's rows, and the same agents with their bonus given in other ways: IQM of the
+            episodes to convergence with its interval, beside vanilla.
+    """
+
+    runs: pl.DataFrame
+    multiverse: pl.DataFrame
+    maps: pl.DataFrame
+    optima: pl.DataFrame
+    rows: pl.DataFrame
+
+    @classmethod
+    def of(cls, runs: pl.DataFrame) -> "Study":
+        return cls(
+            runs=runs,
+            multiverse=claims.multiverse(runs.filter(part="multiverse")),
+            maps=claims.on_maps(runs.filter(part="maps")),
+            optima=optima(),
+            rows=rows(runs.filter(part="shaping")),
+        )
+
+    def changed(self) -> pl.DataFrame:
+        """Claim, horizon and beta where the best policy is no longer good enough to converge."""
+        lost = self.optima.filter(pl.col("best_policy") < pl.col("best_return") - _MARGIN)
+        found = []
+        for claim in claims.CLAIMS:
+            where = {k: v for k, v in claim.sooner.items() if k != "reward"}
+            where |= {"map": claim.sooner["map"]}
+            part = lost.filter(reward=claim.sooner["reward"], **where)  # pyright: ignore[reportArgumentType]
+            found.append(part.select(pl.lit(claim.name).alias("claim"), "horizon", "beta").unique())
+        return pl.concat(found)
+
+
+def joined(agents: list[Agent], results: pl.DataFrame) -> pl.DataFrame:
+    """What the runs of a sweep over the agents came to, with what names each agent."""
+    names = [{key: getattr(agent, key) for key in claims.KEYS} for agent in agents]
+    keys = pl.DataFrame(names).with_row_index("point").cast({"point": pl.Int64})
+    own = (
+        "run",
+        "converged_at",
+        "episodes_had",
+        "steps_had",
+        "best_return",
+        "final_return",
+        "curve",
+    )
+    return keys.join(results.select("point", *own), on="point", maintain_order="left_right")
+
+
+def optima() -> pl.DataFrame:
+    """What the regularised rewards of the multiverse ask for, exactly."""
+    discount = frozen_settings()["discount"]
+    found = []
+    for world, tool, rewards in WORLDS:
+        mdp = tabulate(load_world(world, tool))
+        plan = solve(mdp)
+        assert plan is not None
+        for reward in rewards:
+            for horizon in HORIZONS:
+                bits = empowerment(mdp, horizon, _SENSOR[reward])
+                for beta in BETAS:
+                    found.append(
+                        {"map": world, "tool": tool, "reward": reward}
+                        | {"horizon": horizon, "beta": beta}
+                        | {"best_return": plan.best_return}
+                        | {"best_policy": return_of_the_best_policy(mdp, bits, beta, discount)}
+                    )
+    return pl.DataFrame(found)
+
+
+def rows(runs: pl.DataFrame) -> pl.DataFrame:
+    """The paper's agents, their bonus given plainly, as a potential, and decaying.
+
+    Args:
+        runs: of the part "shaping".
+
+    Returns:
+        A row an agent: `claims.KEYS`, "converged" (of the runs), the interquartile mean of the
+        episodes to convergence with its 95 % bootstrap interval ("middle", "low", "high"; null
+        where fewer than three quarters of the runs converged), "superiority" over the vanilla
+        agent of its world and tool with its interval, "p", and "best_return_kept": whether the
+        final return of all runs that converged is the best one's but for the margin.
+    """
+    found = []
+    for key, part in runs.group_by(*claims.KEYS, maintain_order=True):
+        row = dict(zip(claims.KEYS, key, strict=True))
+        vanilla = runs.filter(map=row["map"], tool=row["tool"], reward="none")
+        counts, bare = (claims.counts(side, "episodes") for side in (part, vanilla))
+        told = claims.verdict(part, vanilla, "episodes")
+        row |= {"converged": int(np.isfinite(counts).sum()), "runs": len(counts)}
+        row |= dict(zip(("middle", "low", "high"), _iqm(counts), strict=True))
+        low, high = _superiority(counts, bare)
+        row |= {"superiority": told.superiority, "superiority_low": low, "superiority_high": high}
+        found.append(row | {"p": told.p, "final_return": part["final_return"].median()})
+    return pl.DataFrame(found, infer_schema_length=None)
+
+
+def aggregate(runs: pl.DataFrame) -> pl.DataFrame:
+    """Over all the paper's worlds and tools together, as rliable pools tasks.
+
+    The score of a run is its episodes to convergence over the mean of the vanilla agent's in the
+    same world with the same tool; a run that was given up counts with the episodes it had.
+
+    Returns:
+        A row for "vanilla" and each way of giving TOE: the scores' IQM and its stratified interval.
+    """
+    found = []
+    shaping = runs.filter(part="shaping")
+    betas = {(w, t, r): b for w, t, r, b in _paper_betas()}
+    for how in ("vanilla", *shaping["how"].unique(maintain_order=True)):
+        tasks = []
+        for world, tool, _ in WORLDS:
+            here = shaping.filter(map=world, tool=tool)
+            bare = _had(here.filter(reward="none"))
+            mine = here.filter(reward="TOE", how=how, beta=betas[world, tool, "TOE"])
+            tasks.append((bare if how == "vanilla" else _had(mine)) / bare.mean())
+        low, high = stratified_interval(tasks)
+        middle = float(interquartile_mean(np.concatenate(tasks)))
+        found.append({"agent": how, "middle": middle, "low": low, "high": high})
+    return pl.DataFrame(found)
+
+
+def paper_curves(runs: pl.DataFrame) -> dict[str, dict[str, list[np.ndarray]]]:
+    """Learning curves of the paper's rows, by world and agent."""
+    shaping = runs.filter(part="shaping", how="plain")
+    betas = {(w, t, r): b for w, t, r, b in _paper_betas()}
+    panels: dict[str, dict[str, list[np.ndarray]]] = {}
+    for world, tool, rewards in WORLDS:
+        for reward in ("none", *rewards):
+            beta = betas[world, tool, reward]
+            part = shaping.filter(map=world, tool=tool, reward=reward, beta=beta)
+            name = "vanilla" if reward == "none" else reward
+            name = f"{name}, {tool}" if world == "yard" else name
+            panels.setdefault(world, {})[name] = [c.to_numpy() for c in part["curve"]]
+    return panels
+
+
+def _paper_betas() -> Iterator[tuple[str, str, str, float]]:
+    names = {"none": "none", "state": "FOE", "object": "TOE"}
+    for experiment in EXPERIMENTS:
+        for row in experiment.rows:
+            yield experiment.world, row.tool, names[row.intrinsic], row.beta
+
+
+def _had(runs: pl.DataFrame) -> np.ndarray:
+    """Episodes to convergence, or until a run was given up."""
+    return runs["converged_at"].fill_null(runs["episodes_had"]).to_numpy().astype(float)
+
+
+def _iqm(counts: np.ndarray) -> tuple[float | None, float | None, float | None]:
+    if np.isfinite(counts).mean() < 0.75:
+        return None, None, None
+    finite = np.where(np.isfinite(counts), counts, np.nanmax(counts[np.isfinite(counts)]) * 10)
+    low, high = bootstrap_interval(finite, interquartile_mean)
+    return float(interquartile_mean(finite)), float(low), float(high)
+
+
+def _superiority(counts: np.ndarray, bare: np.ndarray) -> tuple[float, float]:
+    """The interval of P(sooner than vanilla), runs of both drawn anew (rliable's improvement)."""
+    random = np.random.default_rng(0)
+    a = counts[random.integers(len(counts), size=(2000, len(counts)))]
+    b = bare[random.integers(len(bare), size=(2000, len(bare)))]
+    sooner = (a[:, :, None] < b[:, None]) + 0.5 * (a[:, :, None] == b[:, None])
+    low, high = np.quantile(sooner.mean(axis=(1, 2)), [0.025, 0.975])
+    return float(low), float(high)

@@ -1,0 +1,29 @@
+"""Pages that need nothing else: templates, with the pictures in them."""
+
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+
+
+def render(template: str, **values: Any) -> str:
+    """A page of `templates`."""
+    environment = Environment(
+        loader=PackageLoader("habilis.studies"),
+        autoescape=select_autoescape(),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["episodes"] = lambda value: "–" if value is None else f"{value:,.0f}"
+    return environment.get_template(template).render(**values)
+
+
+def inlined(path: Path) -> Markup:
+    """An SVG file as part of a page; its ids are made its own, as pages may have each id once."""
+    svg = path.read_text("utf-8")
+    svg = svg[svg.index("<svg") :]
+    for prefix in ('id="', 'href="#', "url(#"):
+        svg = svg.replace(prefix, f"{prefix}{path.stem}-")
+    return Markup(svg)  # drawn by us, so safe

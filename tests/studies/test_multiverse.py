@@ -1,0 +1,149 @@
+"""The second part of the report."""
+
+import numpy as np
+import polars as pl
+import pytest
+
+import habilis as hb
+from habilis.empowerment.measures import average_empowerment
+from habilis.studies.multiverse import claims
+from habilis.studies.multiverse.optimum import return_of_the_best_policy
+from habilis.studies.multiverse.report import settings_count, write_study
+from habilis.studies.multiverse.settings import BETAS, HORIZONS, WORLDS, agents, other_maps
+from habilis.studies.multiverse.study import Study, joined
+
+EVERYONE = agents(other_maps())
+
+
+def results_of(everyone, episodes, converged=lambda agent: True):
+    """Results in which all runs of an agent take about as many episodes as a function says."""
+    rows = [
+        {
+            "point": point,
+            "run": run,
+            "converged_at": episodes(agent) + run if converged(agent) else None,
+            "episodes_had": episodes(agent) + run,
+            "steps_had": 20 * (episodes(agent) + run),
+            "best_return": -14.0,
+            "final_return": -14.5,
+            "curve": [-100.0, -20.0, -15.0],
+        }
+        for point, agent in enumerate(everyone)
+        for run in range(10)
+    ]
+    return pl.DataFrame(rows, infer_schema_length=None)
+
+
+@pytest.fixture(scope="module")
+def study():
+    """TOE is learned sooner than FOE, FOE than nothing, the picker sooner than the broom."""
+    first = {"TOE": 3_000, "FOE": 4_000, "none": 5_000}
+
+    def episodes(agent):
+        return first[agent.reward] + 10_000 * (agent.tool == "broom")
+
+    return Study.of(joined(EVERYONE, results_of(EVERYONE, episodes)))
+
+
+def test_the_grid_has_at_least_sixty_settings_and_ten_runs_of_each():
+    settings = {
+        (a.learner, a.horizon, a.beta)
+        for a in EVERYONE
+        if a.part == "multiverse" and a.reward != "none"
+    }
+    assert len(settings) >= 60
+    assert all(agent.config.runs == 10 for agent in EVERYONE)
+    assert {a.map for a in EVERYONE if a.part == "multiverse"} == {"corridor", "yard"}
+
+
+def test_betas_and_horizons_reach_as_far_as_they_should():
+    assert max(BETAS) == 0.3
+    assert (min(HORIZONS), max(HORIZONS)) == (1, 8)
+
+
+def test_every_claim_holds_everywhere_where_it_is_made_to(study):
+    shares = claims.shares(study.multiverse)
+    assert shares["claim"].to_list() == [claim.name for claim in claims.CLAIMS]
+    assert (shares["holds"] == 1).all()
+
+
+def test_a_claim_is_the_other_way_round_where_it_is_made_to_be():
+    slow = {"TOE": 9_000, "FOE": 4_000, "none": 5_000}
+    runs = joined(EVERYONE, results_of(EVERYONE, lambda agent: slow[agent.reward]))
+    shares = claims.shares(claims.multiverse(runs.filter(part="multiverse"))).rows_by_key(
+        "claim", named=True, unique=True
+    )
+    assert shares["TOE before vanilla (corridor, picker)"]["opposite"] == 1
+    assert shares["FOE before vanilla (corridor, picker)"]["holds"] == 1
+    assert shares["TOE before FOE (corridor)"]["opposite"] == 1
+    assert shares["picker before broom, vanilla (yard)"]["undecided"] == 1
+
+
+def test_a_run_that_was_given_up_comes_after_all_others():
+    runs = joined(
+        EVERYONE, results_of(EVERYONE, lambda agent: 5_000, lambda agent: agent.reward != "TOE")
+    )
+    told = claims.multiverse(runs.filter(part="multiverse")).filter(
+        claim="TOE before vanilla (corridor, picker)"
+    )
+    assert (told["superiority"] == 0).all()
+    assert (told["outcome"] == "opposite").all()
+
+
+def test_the_choice_that_decides_explains_all():
+    def episodes(agent):
+        return 5_000 - 100 * (agent.reward == "TOE") * (1 if agent.beta > 0.1 else -1)
+
+    runs = joined(EVERYONE, results_of(EVERYONE, episodes))
+    told = claims.explained(claims.multiverse(runs.filter(part="multiverse")))
+    row = told.filter(claim="TOE before vanilla (yard, picker)").row(0, named=True)
+    assert row["beta"] == pytest.approx(1)
+    assert row["horizon"] == pytest.approx(0)
+    assert row["learner"] == pytest.approx(0)
+
+
+def test_the_pickers_average_toe_is_the_larger_one_on_every_map():
+    for name, path in other_maps().items():
+        if name.startswith("yard"):
+            picker, broom = (hb.tabulate(hb.load_world(str(path), t)) for t in ("picker", "broom"))
+            for horizon in HORIZONS:
+                assert average_empowerment(picker, horizon, "object") > average_empowerment(
+                    broom, horizon, "object"
+                )
+
+
+def test_the_papers_bonuses_leave_the_best_return_alone_and_a_large_one_does_not():
+    mdp = hb.tabulate(hb.load_world("corridor"))
+    bits = hb.empowerment(mdp, 6, "object")
+    assert return_of_the_best_policy(mdp, bits, 0.0, 0.99) == -14
+    assert return_of_the_best_policy(mdp, bits, 0.07, 0.99) == -14
+    assert return_of_the_best_policy(mdp, bits, 0.3, 0.99) < -14
+
+
+def test_a_bonus_worth_more_than_a_step_keeps_the_agent_from_ending():
+    line = hb.TabularMDP.deterministic(
+        [[0, 1], [1, 2], [2, 2]], reward=np.full((3, 2), -1.0), terminal=[False, False, True]
+    )
+    never = return_of_the_best_policy(line, np.array([0.0, 2.0, 0.0]), 1.0, 0.9)
+    assert never == -np.inf
+    assert return_of_the_best_policy(line, np.array([0.0, 2.0, 0.0]), 0.1, 0.9) == -2
+
+
+def test_the_page_has_every_table_and_picture_and_loads_nothing(study, tmp_path):
+    write_study(study, tmp_path)
+    text = (tmp_path / "report.html").read_text()
+    assert text.count("<svg") == 7
+    assert "src=" not in text
+    assert f"A multiverse of {settings_count(study)} settings" in text
+    for claim in claims.CLAIMS:
+        assert claim.name in text
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names >= {"runs.csv", "multiverse.csv", "maps.csv", "optima.csv", "rows.csv"}
+
+
+def test_the_worlds_are_the_papers():
+    assert [(world, tool) for world, tool, _ in WORLDS] == [
+        ("corridor", "picker"),
+        ("yard", "picker"),
+        ("yard", "broom"),
+    ]
