@@ -130,6 +130,10 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("spec", type=Path, metavar="SPEC.toml", help="what to vary; see the README")
     v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
     v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
+    ray = "train on a Ray cluster: HOST:PORT, auto, or local to start one here"
+    v.add_argument("--ray", metavar="ADDRESS", help=ray)
+    text = "train in so many processes, or as many as there is memory for (default: in this one)"
+    v.add_argument("--processes", type=int, metavar="N", help=text)
 
     v = verb(
         "reproduce",

@@ -137,6 +137,7 @@ def test_the_loss_is_the_formula_by_hand():
         {"clip": 1e-3},
         {"entropy": 0.5},
         {"entropy": 0.5, "entropy_end": 0.1, "entropy_steps": 100},
+        {"entropy": 0.5, "entropy_end": 0.1, "entropy_steps": 100, "entropy_hold": 300},
         {"normalise": True},
         {"value": 2.0},
         {"discount": 0.9},

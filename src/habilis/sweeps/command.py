@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from habilis.extras import import_from
+from habilis.sweeps.local import processes
 from habilis.sweeps.spec import Spec, read_spec
 from habilis.sweeps.sweep import Executor, OnProgress, sweep
 from habilis.sweeps.tasks import run_tasks
@@ -23,11 +25,15 @@ def run(args: Namespace) -> dict[str, Any]:
         mean episodes; "out"; for a search also "best", the number of the best point.
     """
     spec = read_spec(args.spec)
+    best: dict[str, Any] = {}
     with _executor(args) as executor, progress_bar() as on_progress:
-        frame = sweep(
-            spec.grid, args.out, executor=executor, resume=args.resume, on_progress=on_progress
-        )
-        best: dict[str, Any] = {}
+        how: Any = {"executor": executor, "resume": args.resume, "on_progress": on_progress}
+        if spec.search is None:
+            frame = sweep(spec.grid, args.out, **how)
+        else:
+            search = import_from("habilis.sweeps.search", "sweep")
+            frame = search.search(spec, args.out, **how)
+            best["best"] = search.best_point(frame, spec.search.minimise)
     return {"points": summary(frame, spec).to_dicts(), **best, "out": str(args.out)}
 
 
@@ -56,6 +62,8 @@ def show(result: dict[str, Any]) -> None:
         table.add_row(*map(_shown, row.values()))
     console = Console(highlight=False)
     console.print(table)
+    if "best" in result:
+        print(f"the best is point {result['best']}")
     print(f"all results: {result['out']}")
 
 
@@ -66,7 +74,11 @@ def _shown(value: Any) -> str:
 
 
 def _executor(args: Namespace) -> AbstractContextManager[Executor]:
-    return nullcontext(run_tasks)
+    if args.ray is not None and args.processes is not None:
+        raise ValueError("--ray and --processes are two ways to train; give one of them")
+    if args.ray is not None:
+        return import_from("habilis.sweeps.cluster", "sweep").on_ray(args.ray)
+    return nullcontext(run_tasks) if args.processes is None else processes(args.processes)
 
 
 @contextmanager

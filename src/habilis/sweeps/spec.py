@@ -162,7 +162,9 @@ def _spec(tables: Values) -> Spec:
         for name, default in how.items():
             _check_option(name, options.get(name, default))
         read = {names: _range_or_values(names, value) for names, value in space.items()}
-        return Spec(shared, tuple(varied), (), Search(read, **options))
+        spec = Spec(shared, tuple(varied), (), Search(read, **options))
+        _check_an_end(spec)
+        return spec
     listed = [
         [dict(zip(split(names), each, strict=True)) for each in _values("grid", names, value)]
         for names, value in space.items()
@@ -172,6 +174,26 @@ def _spec(tables: Values) -> Spec:
         point(shared, {k: v for part in parts for k, v in part.items()}) for parts in combinations
     )
     return Spec(shared, tuple(varied), grid, None)
+
+
+def _check_an_end(spec: Spec) -> None:
+    """Refuses a search of which neither the first nor the last of all values go together."""
+    assert spec.search is not None
+    for last in (True, False):
+        values: Values = {}
+        for names, among in spec.search.space.items():
+            if isinstance(among, Range):
+                values[names] = among.high if last else among.low
+            else:
+                each = split(names)
+                one = among[-1 if last else 0]
+                values |= dict(zip(each, one if len(each) > 1 else [one], strict=True))
+        try:
+            spec.point(values)
+            return
+        except ValueError:
+            if not last:
+                raise
 
 
 def split(names: str) -> list[str]:

@@ -1,0 +1,236 @@
+"""Grids: what is finished stays finished, whatever happens to the process that drives them."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import polars as pl
+import pytest
+
+from habilis.cli import main
+from habilis.sweeps import memory
+from habilis.sweeps.local import processes
+from habilis.sweeps.store import TASKS, results
+from habilis.sweeps.sweep import sweep
+from habilis.sweeps.tasks import run_task, run_tasks, tasks_of
+
+SPEC = """
+[config]
+world = "{room}"
+runs = 7
+episodes = 300
+episode_limit = 50
+hidden = [8]
+[grid]
+learning_rate = [2e-3, 4e-3, 8e-3]
+entropy = [0.0, 0.02]
+"""
+TASK_COUNT = 12
+
+
+@pytest.fixture(scope="module")
+def spec(room, tmp_path_factory):
+    path = tmp_path_factory.mktemp("spec") / "grid.toml"
+    path.write_text(SPEC.format(room=room))
+    return path
+
+
+def without_seconds(folder: Path) -> pl.DataFrame:
+    frame = pl.read_parquet(folder / "results.parquet")
+    assert frame.equals(results(folder))
+    return frame.drop("seconds")
+
+
+@pytest.fixture(scope="module")
+def whole(spec, tmp_path_factory):
+    """What comes of the grid when nothing happens to it."""
+    folder = tmp_path_factory.mktemp("sweeps") / "whole"
+    assert main(["sweep", str(spec), "--out", str(folder)]) == 0
+    return without_seconds(folder)
+
+
+def start(spec: Path, folder: Path, *options: str) -> subprocess.Popen:
+    command = [sys.executable, "-m", "habilis.cli", "sweep", str(spec), "--out", str(folder)]
+    with open(f"{folder}.err", "w") as said:
+        return subprocess.Popen([*command, *options], stdout=said, stderr=said)
+
+
+def finished(folder: Path) -> list[Path]:
+    return sorted((folder / TASKS).glob("[!.]*.npz"))
+
+
+def wait_for(process: subprocess.Popen, folder: Path, count: int) -> None:
+    """Until so many tasks are finished."""
+    while len(finished(folder)) < count:
+        assert process.poll() is None, Path(f"{folder}.err").read_text()
+        time.sleep(0.005)
+
+
+def test_every_run_of_every_point_is_there_once(whole):
+    assert whole.height == 6 * 7
+    assert whole.select("point", "run").n_unique() == 6 * 7
+    pairs = whole.group_by("point", maintain_order=True).first()
+    pairs = pairs.select("learning_rate", "entropy").rows()
+    assert pairs == [(r, e) for r in (2e-3, 4e-3, 8e-3) for e in (0.0, 0.02)]
+    assert whole["final_return"].n_unique() > 20
+
+
+def test_a_killed_sweep_goes_on_and_trains_nothing_twice(spec, tmp_path, whole):
+    folder = tmp_path / "killed"
+    process = start(spec, folder)
+    wait_for(process, folder, 2)
+    process.kill()
+    assert process.wait() == -signal.SIGKILL
+    kept = {path: path.stat().st_mtime_ns for path in finished(folder)}
+    assert 2 <= len(kept) < TASK_COUNT
+    assert main(["sweep", str(spec), "--out", str(folder), "--resume"]) == 0
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    assert len(finished(folder)) == TASK_COUNT
+    assert without_seconds(folder).equals(whole)
+
+
+def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(spec, tmp_path, whole):
+    folder = tmp_path / "stopped"
+    process = start(spec, folder)
+    wait_for(process, folder, 1)
+    process.send_signal(signal.SIGINT)
+    assert process.wait() == 130
+    said = Path(f"{folder}.err").read_text()
+    assert f"of {TASK_COUNT} tasks are kept in {folder}: go on with --resume" in said
+    assert "Traceback" not in said
+    assert main(["sweep", str(spec), "--out", str(folder), "--resume"]) == 0
+    assert without_seconds(folder).equals(whole)
+
+
+def test_a_damaged_file_is_told_and_its_runs_trained_again(config, tmp_path, capsys):
+    folder = tmp_path / "sweep"
+    before = sweep([config], folder)
+    path = finished(folder)[0]
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+    assert results(folder).height < before.height
+    after = sweep([config], folder, resume=True)
+    told = capsys.readouterr().err
+    assert told.startswith(f"habilis: {path}: is damaged (")
+    assert told.endswith("its runs are trained again\n")
+    assert told.count("\n") == 1
+    assert after.drop("seconds").equals(before.drop("seconds"))
+    assert results(folder).equals(after)
+
+
+def test_another_tasks_file_is_damage_too(config, tmp_path, capsys):
+    folder = tmp_path / "sweep"
+    before = sweep([config], folder)
+    one, other = tasks_of(config)
+    files = [folder / TASKS / f"{task.name}.npz" for task in (one, other)]
+    files[0].write_bytes(files[1].read_bytes())
+    assert sweep([config], folder, resume=True).drop("seconds").equals(before.drop("seconds"))
+    assert "holds runs [5, 6]" in capsys.readouterr().err
+
+
+def test_a_second_driver_is_refused(spec, tmp_path, capsys):
+    folder = tmp_path / "busy"
+    process = start(spec, folder)
+    try:
+        wait_for(process, folder, 1)
+        assert main(["sweep", str(spec), "--out", str(folder), "--resume"]) == 2
+        assert "another process" in capsys.readouterr().err
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_more_points_and_runs_are_added_to_what_is_there(config, tmp_path):
+    folder = tmp_path / "sweep"
+    few = sweep([config.changed(runs=5)], folder)
+    trained = []
+
+    def counting(tasks, done, stopped):
+        trained.extend(tasks)
+        run_tasks(tasks, done, stopped)
+
+    more = [config, config.changed(learning_rate=1e-3)]
+    frame = sweep(more, folder, resume=True, executor=counting)
+    assert len(trained) == 3
+    assert frame.height == 14
+    assert frame[:5].equals(few)
+
+
+def test_a_result_that_comes_twice_is_kept_once(config, tmp_path):
+    def twice(tasks, done, _stopped):
+        for task in [*tasks, *tasks]:
+            done(task, run_task(task))
+
+    frame = sweep([config], tmp_path / "sweep", executor=twice)
+    assert frame["run"].to_list() == list(range(7))
+
+
+@pytest.mark.parametrize(
+    ("change", "mend"),
+    [
+        ({"world": "nowhere"}, "point 1: 'nowhere': no such world"),
+        ({"intrinsic": "objet", "beta": 0.1}, "point 1: sensor 'objet' is unknown"),
+        ({"tool": "broom"}, "point 1: .*no tool whose place"),
+    ],
+)
+def test_what_cannot_be_trained_is_refused_before_anything_is_written(
+    config, tmp_path, change, mend
+):
+    with pytest.raises(ValueError, match=mend):
+        sweep([config, config.changed(**change)], tmp_path / "sweep")
+    assert not (tmp_path / "sweep").exists()
+
+
+def test_a_folder_of_something_else_is_refused(config, tmp_path, spec, capsys):
+    (tmp_path / "sweep").mkdir()
+    (tmp_path / "sweep" / "letters.txt").write_text("mine")
+    with pytest.raises(ValueError, match="exists already"):
+        sweep([config], tmp_path / "sweep")
+    with pytest.raises(ValueError, match="holds no sweep to go on with"):
+        sweep([config], tmp_path / "sweep", resume=True)
+    with pytest.raises(ValueError, match="nothing to sweep over"):
+        sweep([], tmp_path / "none")
+    arguments = ["sweep", str(spec), "--out", str(tmp_path / "both")]
+    assert main([*arguments, "--ray", "local", "--processes", "2"]) == 2
+    assert "give one of them" in capsys.readouterr().err
+    assert main([*arguments, "--processes", "0"]) == 2
+    assert "processes is 0; give at least 1" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep"]
+
+
+def test_a_task_whose_process_is_killed_is_run_again(config, tmp_path):
+    configs = [config, config.changed(learning_rate=1e-3)]
+    killed = []
+
+    def kill_one(done: int, _total: int) -> None:
+        if done == 1 and not killed:
+            children = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
+            for child in map(int, children):
+                if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
+                    os.kill(child, signal.SIGKILL)
+                    killed.append(child)
+
+    with processes(1) as executor:
+        frame = sweep(configs, tmp_path / "sweep", executor=executor, on_progress=kill_one)
+    assert killed
+    alone = sweep(configs, tmp_path / "alone")
+    assert frame.drop("seconds").equals(alone.drop("seconds"))
+
+
+def test_no_more_processes_are_started_than_fit_into_memory(config, tmp_path, monkeypatch):
+    monkeypatch.setattr("habilis.sweeps.local.available_memory", lambda: 100 * 2**20)
+    told = []
+    with processes(3, told.append) as executor:
+        frame = sweep([config], tmp_path / "sweep", executor=executor)
+    assert frame.height == 7
+    assert len(told) == 1
+    assert told[0].startswith("habilis: 1 of 3 processes fit into memory, at ")
+
+
+def test_memory_is_counted():
+    assert memory.available_memory() > 2**20
+    assert memory.peak_memory() > 2**25
