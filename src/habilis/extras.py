@@ -3,7 +3,10 @@
 from importlib import import_module
 from types import ModuleType
 
-_OF_EXTRA = {"learn": ("jax", "jaxlib", "equinox", "optax", "jinja2"), "gymnasium": ("gymnasium",)}
+_OF_EXTRA = {
+    "learn": ("jax", "jaxlib", "equinox", "optax", "jinja2", "filelock", "tensorboardX"),
+    "gymnasium": ("gymnasium",),
+}
 
 
 class MissingExtraError(ImportError):
