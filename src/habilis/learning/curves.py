@@ -67,8 +67,8 @@ def learning_curve(
 ) -> Curve:
     """What the runs of one configuration do on average, as they learn.
 
-    A run's value at some point is the mean over its last 100 episodes there, or over all there
-    are so far. A run that has *converged* was ended because there was nothing left to learn: it is
+    A run's value at some point is the mean over its last 100 episodes there; curves begin where
+    there are as many, or, of runs that are younger, at the last of what there is. A run that has *converged* was ended because there was nothing left to learn: it is
     carried on at its last value, or else the average would be over ever fewer runs, and jump
     whenever one leaves. Of a run that was given up, or has not ended, nobody knows how it would
     have gone on: the curve ends where the first of these does. So at every point it is over all
@@ -93,6 +93,7 @@ def learning_curve(
         values = held(smoothed(part["value"].to_numpy(), SMOOTHING))
         at = part["steps"].cast(pl.Int64).cum_sum().to_numpy() if unit == "steps" else np.arange(len(part)) + 1
         there = np.isfinite(values)
+        there[: min(SMOOTHING, len(values)) - 1] = False  # those that end first are the short ones
         if not there.any():
             raise ValueError(
                 f"{run.world.name}: run {k} has no {value} to plot yet; train on, or plot another "

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import StrMethodFormatter, SymmetricalLogLocator
 
 from habilis.learning.config import Config
 from habilis.learning.curves import SMOOTHING, Curve
@@ -14,13 +15,15 @@ DEFAULT = Path("curves.png")
 
 # Colour-blind-safe (Okabe and Ito), the yellow left out: too light for a line on white.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
+# What says nothing without an intrinsic reward.
+_OF_INTRINSIC = ("horizon", "beta", "beta_schedule", "beta_steps", "earned", "terminal_bonus")
 _DASHES = ("-", "--", "-.", ":")
 
 _NAMES = {
     "return": "return",
     "length": "steps of an episode",
     "equipped": "share of the steps with the tool in hand",
-    "attached": "share of these with the object attached",
+    "attached": "share of the equipped steps with the object attached",
 }
 _STATISTICS = {"mean": "mean", "iqm": "interquartile mean"}
 
@@ -45,6 +48,8 @@ def curves_figure(curves: Mapping[str, Curve], best_returns: Sequence[float] = (
         ax.axhline(best, color="#5b6270", linewidth=0.8, linestyle=":")
     if one.value == "return":
         ax.set_yscale("symlog")
+        ax.yaxis.set_major_locator(SymmetricalLogLocator(base=10, linthresh=2, subs=(1, 2, 5)))
+        ax.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         if best_returns:
             ax.set_ylim(top=0.75 * max(best_returns))
     elif one.value != "length":
@@ -56,6 +61,7 @@ def curves_figure(curves: Mapping[str, Curve], best_returns: Sequence[float] = (
         title=f"{_STATISTICS[one.statistic]} over runs, shaded: 95 % bootstrap interval",
     )
     ax.title.set_fontsize(10)
+    ax.xaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
     ax.spines[["top", "right"]].set_visible(False)
     ax.legend(frameon=False)
     figure.tight_layout()
@@ -72,7 +78,10 @@ def labels(configs: Sequence[Config], names: Sequence[str]) -> list[str]:
         names: take part where settings do not tell all apart.
     """
     common = [{f.name: getattr(c, f.name) for f in fields(c)} for c in configs]
-    told = [_differing(values, common, skip=("algorithm",)) for values in common]
+    told = [
+        _differing(values, common, ("algorithm", *(() if values["beta"] else _OF_INTRINSIC)))
+        for values in common
+    ]
     of_algorithm = [c.as_dict() for c in configs]
     for number, config in enumerate(configs):
         same = [

@@ -89,11 +89,12 @@ def _finished(config: Config, folder: Path) -> Run:
 def _job_of(config: Config, folder: Path) -> Job:
     """What a folder was begun with, if that is what is asked for, or else something new.
 
-    A process that is killed before it has written what a run starts from leaves nothing to go on
-    from.
+    A process that is killed before it has written what a run starts from leaves its lock, parts of
+    that, and nothing to go on from.
     """
     if not has_begun(folder):
-        check_unused(folder, but=("lock", "config.json"))
+        ours = ("lock", "config.json", "world.txt") if (folder / "lock").exists() else ()
+        check_unused(folder, but=ours)
         return Job.of(0, config)
     _check_same(config, folder)
     return Job.of(0, config, read_world(folder))
