@@ -68,11 +68,11 @@ def learning_curve(
     """What the runs of one configuration do on average, as they learn.
 
     A run's value at some point is the mean over its last 100 episodes there; curves begin where
-    there are as many, or, of runs that are younger, at the last of what there is. A run that has *converged* was ended because there was nothing left to learn: it is
-    carried on at its last value, or else the average would be over ever fewer runs, and jump
-    whenever one leaves. Of a run that was given up, or has not ended, nobody knows how it would
-    have gone on: the curve ends where the first of these does. So at every point it is over all
-    runs.
+    there are as many, or, of runs that are younger, at the last of what there is. A run that has
+    *converged* was ended because there was nothing left to learn: it is carried on at its last
+    value, or else the average would be over ever fewer runs, and jump whenever one leaves. Of a run
+    that was given up, or has not ended, nobody knows how it would have gone on: the curve ends where
+    the first of these does. So at every point it is over all runs.
 
     Args:
         run: what training gave, to its end or so far.
@@ -91,7 +91,11 @@ def learning_curve(
     places, smooth = [], []
     for k, part in enumerate(parts):
         values = held(smoothed(part["value"].to_numpy(), SMOOTHING))
-        at = part["steps"].cast(pl.Int64).cum_sum().to_numpy() if unit == "steps" else np.arange(len(part)) + 1
+        at = (
+            part["steps"].cast(pl.Int64).cum_sum().to_numpy()
+            if unit == "steps"
+            else np.arange(len(part)) + 1
+        )
         there = np.isfinite(values)
         there[: min(SMOOTHING, len(values)) - 1] = False  # those that end first are the short ones
         if not there.any():
