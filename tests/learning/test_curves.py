@@ -67,13 +67,13 @@ def test_a_run_that_has_not_converged_ends_the_curve():
 
 def test_steps_of_the_environment_are_those_of_ended_episodes():
     slow, quick = np.arange(500.0), np.arange(500.0)
-    run = made_up([slow, quick], [False, False], steps=[20, 2])
-    curve = learning_curve(run, unit="steps")
-    assert curve.x[0] == 20 * 100  # where the slower run has 100 episodes
-    assert curve.x[-1] == 2 * 500  # or would have: the quick one is at its end before
     curve = learning_curve(made_up([slow, quick], [False, True], steps=[20, 2]), unit="steps")
     assert (curve.x[0], curve.x[-1]) == (20 * 100, 20 * 500)
+    assert curve.carried == 1
     assert curve.middle[-1] == pytest.approx(449.5)
+    curve = learning_curve(made_up([slow, quick], [False, False], steps=[20, 2]), unit="steps")
+    assert (curve.x[0], curve.x[-1]) == (20, 2 * 500)  # there the slow one has 50 episodes
+    assert curve.middle[-1] == pytest.approx((24.5 + 449.5) / 2)
 
 
 def test_the_interquartile_mean_leaves_out_the_run_that_fails():
@@ -96,10 +96,10 @@ def test_a_run_without_an_episode_is_refused():
         learning_curve(made_up([np.zeros(5), np.zeros(0)], [False, False]))
 
 
-def test_young_runs_have_a_point():
-    curve = learning_curve(made_up([np.arange(5.0), np.arange(8.0)], [False, False]))
-    assert curve.x.tolist() == [5]
-    np.testing.assert_allclose(curve.middle, np.mean([2.0, 3.5]))
+def test_young_runs_are_drawn_from_where_all_have_an_episode():
+    curve = learning_curve(made_up([np.arange(5.0), np.arange(800.0)], [False, False]))
+    assert curve.x.tolist() == [1, 2, 3, 4, 5]
+    np.testing.assert_allclose(curve.middle, [0, 0.5, 1, 1.5, 2])
 
 
 def test_labels_tell_what_differs_and_no_more():

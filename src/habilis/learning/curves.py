@@ -67,12 +67,12 @@ def learning_curve(
 ) -> Curve:
     """What the runs of one configuration do on average, as they learn.
 
-    A run's value at some point is the mean over its last 100 episodes there; curves begin where
-    there are as many, or, of runs that are younger, at the last of what there is. A run that has
-    *converged* was ended because there was nothing left to learn: it is carried on at its last
-    value, or else the average would be over ever fewer runs, and jump whenever one leaves. Of a run
-    that was given up, or has not ended, nobody knows how it would have gone on: the curve ends where
-    the first of these does. So at every point it is over all runs.
+    A run's value at some point is the mean over its last 100 episodes there; curves begin where all
+    runs have as many, or, while some are younger, where all have one. A run that has *converged*
+    was ended because there was nothing left to learn: it is carried on at its last value, or else
+    the average would be over ever fewer runs, and jump whenever one leaves. Of a run that was given
+    up, or has not ended, nobody knows how it would have gone on: the curve ends where the first of
+    these does. So at every point it is over all runs.
 
     Args:
         run: what training gave, to its end or so far.
@@ -87,35 +87,36 @@ def learning_curve(
     if missing:
         raise ValueError(f"{run.world.name}: episodes have no {min(missing)!r}; plot another value")
     told = run.episodes.select("run", "steps", value=VALUES[value].cast(pl.Float64))
-    parts = [told.filter(run=k) for k in range(run.config.runs)]
     places, smooth = [], []
-    for k, part in enumerate(parts):
+    for k in range(run.config.runs):
+        part = told.filter(run=k)
         values = held(smoothed(part["value"].to_numpy(), SMOOTHING))
-        at = (
-            part["steps"].cast(pl.Int64).cum_sum().to_numpy()
-            if unit == "steps"
-            else np.arange(len(part)) + 1
-        )
+        steps = part["steps"].cast(pl.Int64).cum_sum().to_numpy()
         there = np.isfinite(values)
-        there[: min(SMOOTHING, len(values)) - 1] = False  # those that end first are the short ones
-        if not there.any():
+        places.append((steps if unit == "steps" else np.arange(len(part)) + 1)[there])
+        smooth.append(values[there])
+    open_ended = [
+        at[-1] if len(at) else 0
+        for at, end in zip(places, run.converged_at, strict=True)
+        if end is None
+    ]
+    last = min(open_ended, default=max(at[-1] if len(at) else 0 for at in places))
+    for k, at in sorted(enumerate(places), key=lambda place: len(place[1])):
+        if not len(at) or at[0] > last:
             raise ValueError(
                 f"{run.world.name}: run {k} has no {value} to plot yet; train on, or plot another "
                 "value"
             )
-        places.append(at[there])
-        smooth.append(values[there])
-    ends = np.array([at[-1] for at in places])
-    open_ended = [end for end, at in zip(ends, run.converged_at, strict=True) if at is None]
-    first, last = max(at[0] for at in places), min(open_ended, default=ends.max())
-    x = np.unique(np.linspace(min(first, last), last, POINTS).round())
+    full = max(at[min(SMOOTHING, len(at)) - 1] for at in places)
+    first = full if full <= last else max(at[0] for at in places)
+    x = np.unique(np.linspace(first, last, POINTS).round())
     table = np.stack(
         [values[at_or_before(at, x)] for at, values in zip(places, smooth, strict=True)]
     )
     function = STATISTICS[statistic]
     low, high = bootstrap_interval(table, function)
     return Curve(
-        *(value, unit, statistic, len(parts), int((ends < last).sum())),
+        *(value, unit, statistic, len(places), int(sum(at[-1] < last for at in places))),
         *(x, function(table), low, high),
     )
 
@@ -140,5 +141,5 @@ def held(values: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
 
 
 def at_or_before(places: Float[np.ndarray, "n"], x: Float[np.ndarray, "m"]) -> np.ndarray:
-    """The index of the last place that is at most each x; the first where all are beyond."""
-    return np.maximum(np.searchsorted(places, x, side="right") - 1, 0)
+    """The index of the last place that is at most each x, of which none is below the first."""
+    return np.searchsorted(places, x, side="right") - 1
