@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -111,10 +112,9 @@ def train_again(room: Path, folder: Path) -> int:
     return main(["train", str(room), *OPTIONS, "--out", str(folder), "--resume"])
 
 
-@pytest.fixture
-def interrupted(room, tmp_path):
-    """A folder with two checkpoints."""
-    folder = tmp_path / "interrupted"
+@pytest.fixture(scope="module")
+def interrupted_once(room, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs") / "interrupted"
     process = start(room, folder)
     wait_for_checkpoints(process, folder, 3)
     process.kill()
@@ -124,6 +124,12 @@ def interrupted(room, tmp_path):
     while len(checkpoints.checkpoints(folder)) > checkpoints.KEPT:
         checkpoints.checkpoints(folder)[-1].unlink()
     return folder
+
+
+@pytest.fixture
+def interrupted(interrupted_once, tmp_path):
+    """A folder with two checkpoints."""
+    return Path(shutil.copytree(interrupted_once, tmp_path / "interrupted"))
 
 
 @pytest.mark.parametrize("damage", ["cut short", "empty", "gone on with"])
