@@ -1,17 +1,17 @@
 """The command line: one thin function a verb."""
 
-import json
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import habilis
 from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, parser
+from habilis.cli_learning import plot, sweep, train, watch
+from habilis.cli_output import console, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
 from habilis.worlds.rules import ACTIONS
 from habilis.worlds.table import MAX_STATES
@@ -27,6 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     try:
         args = parser(_VERBS).parse_args(arguments)
+        args.command = list(sys.argv[1:] if arguments is None else arguments)
         status = args.verb(args)
         sys.stdout.flush()
         return status
@@ -35,18 +36,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (ValueError, MissingExtraError, FloatingPointError) as error:
-        return _refuse(str(error))
+        return refuse(str(error))
     except (OSError, OverflowError) as error:
-        return _refuse(f"{error}; check the place and the numbers given")
+        return refuse(f"{error}; check the place and the numbers given")
     except MemoryError:
-        return _refuse("not enough memory; make the world or the horizon smaller")
+        return refuse("not enough memory; make the world or the horizon smaller")
     except KeyboardInterrupt:
-        return _refuse("interrupted", status=130)
-
-
-def _refuse(message: str, status: int = 2) -> int:
-    print(f"habilis: {message}", file=sys.stderr)
-    return status
+        return refuse("interrupted", status=130)
 
 
 def worlds(args: Args) -> int:
@@ -55,7 +51,7 @@ def worlds(args: Args) -> int:
             raise ValueError("no world to draw; give its name besides --tool or --out")
         listed = [load_world(name) for name in world_names()]
         if args.json:
-            return _print_json({"worlds": [world.name for world in listed]})
+            return print_json({"worlds": [world.name for world in listed]})
         for world in listed:
             print(f"{world.name}: {world.height} x {world.width} cells, tool {world.tool}")
         return 0
@@ -63,22 +59,22 @@ def worlds(args: Args) -> int:
     if args.out is not None:
         from habilis.worlds.pictures import save_picture
 
-        _save(args.out, lambda path: save_picture(world, path))
+        save(args.out, lambda path: save_picture(world, path))
     if args.json:
-        return _print_json(
+        return print_json(
             {"name": world.name, "height": world.height, "width": world.width}
             | {"tool": world.tool, "map": world.text().splitlines()}
         )
     from habilis.worlds.pictures import colored_text
 
-    _console().print(colored_text(world))
+    console().print(colored_text(world))
     return 0
 
 
 def solve(args: Args) -> int:
     plan = habilis.solve(habilis.tabulate(load_world(args.world, args.tool)))
     if args.json:
-        _print_json(
+        print_json(
             {"steps": None, "return": None, "actions": None}
             if plan is None
             else {"steps": plan.steps, "return": plan.best_return, "actions": list(plan.actions)}
@@ -101,7 +97,7 @@ def empowerment(args: Args) -> int:
     )
     if args.out is not None:
         noise = gap if gap.any() else None
-        _save(args.out, lambda path: save_table(state_table(mdp, values, noise, args.unit), path))
+        save(args.out, lambda path: save_table(state_table(mdp, values, noise, args.unit), path))
     summary = {
         "states": len(values),
         "mean": float(values.mean()),
@@ -113,7 +109,7 @@ def empowerment(args: Args) -> int:
         summary["mean_equipped"] = float(values[mdp.flags["equipped"]].mean())
     if args.json:
         kind = {"unit": args.unit, "method": args.method}
-        return _print_json(summary | kind | {"out": args.out and str(args.out)})
+        return print_json(summary | kind | {"out": args.out and str(args.out)})
     kind = "lower bounds on " if args.method == "sampled" else ""
     print(
         f"{kind}{args.horizon}-step empowerment through the sensor {args.sensor!r}, in {args.unit}"
@@ -163,10 +159,10 @@ def landscape(args: Args) -> int:
         shown = replace(world, tool_cell=tool, object=thing)
         title = f"{args.horizon}-step empowerment, sensor {args.sensor!r}"
         figure = landscape_figure(shown, {title: values}, unit=args.unit)
-        _save(args.out, lambda path: save_figure(figure, path))
+        save(args.out, lambda path: save_figure(figure, path))
     if args.json:
         rows = [[None if np.isnan(v) else v for v in row] for row in values.tolist()]
-        return _print_json({"values": rows})
+        return print_json({"values": rows})
     for row in values:
         print(" ".join("    ." if np.isnan(value) else f"{value:5.2f}" for value in row))
     if args.out is not None:
@@ -196,7 +192,7 @@ def compare(args: Args) -> int:
             }
             for tool, verdict in verdicts.items()
         }
-        return _print_json(
+        return print_json(
             {"averages": averages, "horizon": args.horizon, "unit": args.unit, "tools": judged}
         )
     print(f"average {args.horizon}-step object empowerment, in {args.unit}")
@@ -233,9 +229,9 @@ def futures(args: Args) -> int:
                 f"a picture needs cells; use --sensor {', '.join(mdp.factors)}, or leave out --out"
             )
         figure = futures_figure(world, mdp, found, args.sensor)
-        _save(args.out, lambda path: save_figure(figure, path))
+        save(args.out, lambda path: save_figure(figure, path))
     if args.json:
-        return _print_json(
+        return print_json(
             {
                 "empowerment": found.empowerment,
                 "gap": found.gap,
@@ -259,85 +255,11 @@ def futures(args: Args) -> int:
     return 0
 
 
-def train(args: Args) -> int:
-    from habilis.learning.arguments import config_from_args
-
-    learning = import_from("habilis.learning.train", "learn")
-    display = import_from("habilis.learning.display", "learn")
-    config = config_from_args(args)
-    try:
-        with display.progress_bars([args.world]) as show:
-            run = learning.train(
-                config,
-                show,
-                out=args.out,
-                resume=args.resume,
-                checkpoint_seconds=args.checkpoint_seconds,
-            )
-    except KeyboardInterrupt as stop:
-        return _refuse(str(stop) or "interrupted", status=130)
-    finished = [at for at in run.converged_at if at is not None]
-    summary = {
-        "best_return": run.best_return,
-        "converged": len(finished),
-        "runs": config.runs,
-        "converged_at": list(run.converged_at),
-        "mean_episodes": float(np.mean(finished)) if finished else None,
-        "out": str(args.out),
-    }
-    if args.json:
-        return _print_json(summary)
-    mean = f", after {summary['mean_episodes']:,.0f} episodes on average" if finished else ""
-    print(f"{len(finished)} of {config.runs} runs converged{mean}; see {args.out}")
-    return 0
-
-
-def watch(args: Args) -> int:
-    from habilis.worlds.pictures import colored_text, save_gif
-    from habilis.worlds.table import placement
-
-    folder = import_from("habilis.learning.folder", "learn")
-    replay = import_from("habilis.learning.replay", "learn")
-    run = folder.load_run(args.folder)
-    episode = replay.play(run, args.run)
-    mdp = habilis.tabulate(run.world)
-    frames = [placement(run.world, mdp, state) for state in episode.states]
-    if args.gif is not None:
-        _save(args.gif, lambda path: save_gif(frames, path))
-    if args.json:
-        _print_json(
-            {"steps": len(episode.actions), "return": episode.episode_return}
-            | {"finished": episode.finished, "actions": list(episode.actions)}
-        )
-    else:
-        console = _console()
-        if console.is_terminal:
-            _animate(console, [colored_text(frame) for frame in frames], 1 / args.speed)
-        else:
-            console.print(colored_text(frames[-1]))
-        print(", ".join(ACTIONS[action] for action in episode.actions))
-        end = "the goal is reached" if episode.finished else "the policy goes round in circles"
-        print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
-    return 0 if episode.finished else 1
-
-
-def sweep(args: Args) -> int:
-    command = import_from("habilis.sweeps.command", "learn")
-    try:
-        result = command.run(args)
-    except KeyboardInterrupt as stop:
-        return _refuse(str(stop) or "interrupted", status=130)
-    if args.json:
-        return _print_json(result)
-    command.show(result)
-    return 0
-
-
 def reproduce(args: Args) -> int:
     study = import_from("habilis.studies.reproduce", "learn")
     result = study.reproduce(args.out, quick=args.quick, show_progress=True)
     if args.json:
-        return _print_json(result.summary())
+        return print_json(result.summary())
     print(result.text())
     return 0
 
@@ -347,7 +269,7 @@ def bench(args: Args) -> int:
 
     results = run_benchmarks(args.what)
     if args.json:
-        return _print_json({"results": [result.as_dict() for result in results]})
+        return print_json({"results": [result.as_dict() for result in results]})
     for result in results:
         print(result)
     return 0
@@ -365,35 +287,6 @@ def _actions(text: str) -> list[int] | None:
         ) from None
 
 
-def _print_json(value: Any) -> int:
-    print(json.dumps(value))
-    return 0
-
-
-def _save(path: Path, write: Callable[[Path], Any]) -> None:
-    try:
-        write(path)
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written ({error.strerror or error})") from error
-
-
-def _console():
-    from rich.console import Console
-
-    return Console(highlight=False)
-
-
-def _animate(console, frames: list, seconds: float) -> None:
-    import time
-
-    from rich.live import Live
-
-    with Live(frames[0], console=console, auto_refresh=False) as live:
-        for frame in frames:
-            live.update(frame, refresh=True)
-            time.sleep(seconds)
-
-
 _VERBS: dict[str, Verb] = {
     verb.__name__: verb
     for verb in (
@@ -405,6 +298,7 @@ _VERBS: dict[str, Verb] = {
         compare,
         train,
         watch,
+        plot,
         sweep,
         reproduce,
         bench,

@@ -116,11 +116,40 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     seconds = "time between checkpoints (default 10)"
     v.add_argument("--checkpoint-seconds", type=float, default=10.0, metavar="S", help=seconds)
 
-    v = verb("watch", "replay what an agent learned", "habilis watch runs/toe --gif toe.gif")
+    v = verb(
+        "watch", "replay what an agent learned", "habilis watch runs/toe --run 2 --gif toe.gif"
+    )
     v.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     v.add_argument("--run", type=int, default=0, help="which of its runs (default 0)")
     v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
     v.add_argument("--speed", type=_positive, default=4.0, help="steps a second (default 4)")
+
+    v = verb(
+        "plot",
+        "draw learning curves with intervals, of one or several runs",
+        "habilis plot runs/none runs/toe --out curves.svg",
+    )
+    v.add_argument("folders", type=Path, nargs="+", metavar="DIR", help="folders of runs")
+    v.add_argument(
+        "--out",
+        type=Path,
+        metavar="F.png",
+        help="picture (.png, .svg, .pdf; default curves.png, or none with --json)",
+    )
+    v.add_argument("--x", choices=("episodes", "steps"), default="episodes", help="to the right")
+    v.add_argument(
+        "--value",
+        choices=("return", "length", "equipped", "attached"),
+        default="return",
+        help="of an episode: its extrinsic return (default), its steps, the share of them with the "
+        "tool in hand, or the share of these with the object attached",
+    )
+    v.add_argument(
+        "--statistic",
+        choices=("mean", "iqm"),
+        default="mean",
+        help="over the runs: their mean (default), or that of the middle half of them",
+    )
 
     v = verb(
         "sweep",

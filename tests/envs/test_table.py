@@ -42,6 +42,7 @@ def test_observations_tell_states_apart(mdp):
 
 def test_a_shortest_plan_ends_with_its_return(mdp):
     plan = hb.solve(mdp)
+    assert plan is not None
     env = TableEnv(mdp)
     env.reset()
     steps = [env.step(action) for action in plan.actions]

@@ -1,19 +1,27 @@
 """Interrupted training, by real processes that are really killed."""
 
+import json
 import os
+import re
+import shlex
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from habilis.cli import main
 from habilis.learning import checkpoints
 from habilis.learning.algorithms import A2C, PPO
 from habilis.learning.config import Config
-from habilis.learning.folder import load_run
+from habilis.learning.folder import load_run, read_config
+from habilis.learning.jobs import Job
 from habilis.learning.train import train
 
 # Too much entropy to converge: the budget of steps is used up.
@@ -55,7 +63,7 @@ def wait_for_checkpoints(process: subprocess.Popen, folder: Path, count: int) ->
 
 def content(folder: Path) -> dict[str, bytes]:
     names = ("episodes.parquet", "parameters.npz", "summary.json", "config.json", "world.txt")
-    assert sorted(path.name for path in folder.iterdir()) == sorted(names)
+    assert sorted(path.name for path in folder.iterdir()) == sorted([*names, "tensorboard"])
     return {name: (folder / name).read_bytes() for name in names}
 
 
@@ -80,17 +88,23 @@ def test_a_killed_run_goes_on_to_the_same_bytes(room, tmp_path, whole):
     assert content(folder) == whole
 
 
-def test_ctrl_c_saves_and_says_how_to_go_on(room, tmp_path, whole):
-    folder = tmp_path / "stopped"
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_saves_and_says_how_to_go_on(room, tmp_path, whole, number, capsys):
+    folder = tmp_path / "stopped here"
     process = start(room, folder)
     wait_for_checkpoints(process, folder, 1)
-    process.send_signal(signal.SIGINT)
-    assert process.wait() == 130
-    err = said_by(folder)
-    assert err.endswith(f"stopped; all is kept in {folder}: go on with --resume\n")
-    assert "Traceback" not in err
-    assert main(["watch", str(folder)]) == 2
-    assert train_again(room, folder) == 0
+    process.send_signal(number)
+    assert process.wait() == 128 + number
+    (line,) = said_by(folder).splitlines()
+    begun, command = line.split("; go on with: habilis ")
+    assert begun == f"habilis: stopped; all is kept in {folder}"
+    with np.load(checkpoints.checkpoints(folder)[0]) as saved:
+        trained = len(saved["1/episodes"])
+    assert main(["watch", str(folder), "--run", "1", "--json"]) in (0, 1)
+    watched = json.loads(capsys.readouterr().out)
+    assert watched["ended"] is False
+    assert watched["episodes"] == trained > 0
+    assert main(shlex.split(command)) == 0
     assert content(folder) == whole
 
 
@@ -98,10 +112,9 @@ def train_again(room: Path, folder: Path) -> int:
     return main(["train", str(room), *OPTIONS, "--out", str(folder), "--resume"])
 
 
-@pytest.fixture
-def interrupted(room, tmp_path):
-    """A folder with two checkpoints."""
-    folder = tmp_path / "interrupted"
+@pytest.fixture(scope="module")
+def interrupted_once(room, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs") / "interrupted"
     process = start(room, folder)
     wait_for_checkpoints(process, folder, 3)
     process.kill()
@@ -113,22 +126,69 @@ def interrupted(room, tmp_path):
     return folder
 
 
-def test_a_damaged_checkpoint_is_named_and_the_one_before_used(room, interrupted, whole, capsys):
-    latest = checkpoints.checkpoints(interrupted)[0]
-    latest.write_bytes(latest.read_bytes()[:-2000])
+@pytest.fixture
+def interrupted(interrupted_once, tmp_path):
+    """A folder with two checkpoints."""
+    return Path(shutil.copytree(interrupted_once, tmp_path / "interrupted"))
+
+
+@pytest.mark.parametrize("damage", ["cut short", "empty", "gone on with"])
+def test_a_damaged_checkpoint_is_named_and_the_one_before_used(
+    room, interrupted, whole, capsys, damage
+):
+    latest, before = checkpoints.checkpoints(interrupted)
+    written = latest.read_bytes()
+    changed = {"cut short": written[:-2000], "empty": b"", "gone on with": written + b"x"}
+    latest.write_bytes(changed[damage])
     assert train_again(room, interrupted) == 0
-    assert f"{latest}: is damaged" in capsys.readouterr().err
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{latest}: is damaged" in line
+    assert line.endswith(f"going on from the one before, {before}")
     assert content(interrupted) == whole
 
 
-def test_one_flipped_byte_is_damage(room, interrupted, whole, capsys):
-    latest = checkpoints.checkpoints(interrupted)[0]
-    data = bytearray(latest.read_bytes())
-    data[len(data) // 2] ^= 1
-    latest.write_bytes(data)
-    assert train_again(room, interrupted) == 0
-    assert f"{latest}: is damaged" in capsys.readouterr().err
-    assert content(interrupted) == whole
+def test_any_flipped_bit_is_damage(room, interrupted):
+    latest, before = checkpoints.checkpoints(interrupted)
+    written = latest.read_bytes()
+    random = np.random.default_rng(0)
+    ends = [*range(40), *range(len(written) - 120, len(written))]  # a header, a directory, the hash
+    for place in [*ends, *random.integers(len(written), size=60)]:
+        changed = bytearray(written)
+        changed[place] ^= 1 << int(random.integers(8))
+        latest.write_bytes(changed)
+        found = checkpoints.restore(Job.of(0, config_of(room)), interrupted)
+        assert found == (before, {latest: "its checksum is another"})
+
+
+def test_a_damaged_checkpoint_is_none_of_the_two_that_are_kept(room, interrupted):
+    latest, before = checkpoints.checkpoints(interrupted)
+    latest.write_bytes(b"not this")
+
+    class StopError(Exception):
+        pass
+
+    def stop(_):
+        if len(checkpoints.checkpoints(interrupted)) == checkpoints.KEPT:
+            raise StopError
+
+    with pytest.raises(StopError):
+        train(config_of(room), stop, out=interrupted, resume=True, checkpoint_seconds=0)
+    assert checkpoints.checkpoints(interrupted)[1] == before
+    for path in checkpoints.checkpoints(interrupted):
+        assert checkpoints.restore(Job.of(0, config_of(room)), interrupted) == (path, {})
+        path.unlink()
+
+
+def config_of(room: Path) -> Config:
+    """What `OPTIONS` say."""
+    return Config(
+        world=str(room),
+        algorithm=A2C(entropy=9.0, hidden=(16,)),
+        runs=3,
+        steps=240_000,
+        episodes=1_000_000,
+        episode_limit=60,
+    )
 
 
 def test_where_all_checkpoints_are_damaged_nothing_is_overwritten(room, interrupted, capsys):
@@ -171,20 +231,104 @@ def test_a_finished_run_is_resumed_by_reading_it(room, tmp_path, capsys):
     assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
 
 
-def test_a_full_disk_is_one_line_and_earlier_checkpoints_stay(
-    room, interrupted, capsys, monkeypatch
-):
+@contextmanager
+def mounted(place: Path, options: str) -> Iterator[None]:
+    """A file system in memory, of a size or not to be written to."""
+    place.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(place)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True)
+    except OSError as error:
+        pytest.skip(f"cannot mount a file system: {error}")
+    if done.returncode:
+        pytest.skip(f"may not mount a file system: {done.stderr.strip()}")
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", str(place)], check=True)
+
+
+def test_a_full_disk_is_one_line_and_with_room_it_goes_on(room, tmp_path, whole):
+    disk = tmp_path / "disk"
+    with mounted(disk, "size=192k"):
+        folder = disk / "run"
+        process = start(room, folder)
+        assert process.wait() == 2
+        said = said_by(folder)
+        assert said.startswith(f"habilis: {folder}: cannot write the run (")
+        assert "No space left on device" in said
+        assert said.endswith("make room there, and go on with resume\n")
+        assert said.count("\n") == 1
+        good = checkpoints.checkpoints(folder)
+        assert good
+        assert not list(folder.glob(".*.partial"))
+        assert checkpoints.restore(Job.of(0, config_of(room)), folder) == (good[0], {})
+        subprocess.run(["mount", "-o", "remount,size=10m", str(disk)], check=True)
+        assert train_again(room, folder) == 0
+        assert content(folder) == whole
+
+
+def test_a_full_disk_at_the_start_is_one_line(room, tmp_path, capsys):
+    disk = tmp_path / "disk"
+    with mounted(disk, "size=4k"):
+        (disk / "filled").write_bytes(b"x" * 4096)
+        assert train_again(room, disk / "run") == 2
+        err = capsys.readouterr().err
+        assert "No space left on device" in err
+        assert err.count("\n") == 1
+
+
+def test_a_folder_that_is_read_only_is_one_line(room, tmp_path, capsys):
+    disk = tmp_path / "disk"
+    with mounted(disk, "ro"):
+        assert train_again(room, disk) == 2
+        assert train_again(room, disk / "run") == 2
+        assert main(["train", str(room), *OPTIONS, "--out", str(disk / "run")]) == 2
+        lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 3
+    assert all(f"{disk} cannot be written to; name another place" in line for line in lines)
+
+
+def test_a_disk_that_turns_read_only_is_one_line(room, interrupted, capsys, monkeypatch):
     before = {path: path.read_bytes() for path in checkpoints.checkpoints(interrupted)}
 
-    def full(*_, **__):
-        raise OSError(28, "No space left on device")
+    def read_only(*_, **__):
+        raise OSError(30, "Read-only file system")
 
-    monkeypatch.setattr(os, "fsync", full)
+    monkeypatch.setattr(os, "fsync", read_only)
     assert train_again(room, interrupted) == 2
-    err = capsys.readouterr().err
-    assert "No space left on device" in err.splitlines()[-1]
-    assert "Traceback" not in err
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "Read-only file system" in line
     assert {p: p.read_bytes() for p in checkpoints.checkpoints(interrupted)} == before
+
+
+def test_what_is_not_finite_is_one_line_and_leaves_the_last_good_checkpoint(room, tmp_path):
+    folder = tmp_path / "diverges"
+    # Squares of values that grow, until their sum over a rollout is no float32 any more.
+    settings = {"algorithm": "q-learning", "reward-scale": "1.9e18", "learning-rate": "0.001"}
+    limits = {"episode-limit": "60", "steps": "9000000", "episodes": "1000000", "runs": "2"}
+    options = [f"--{name}={value}" for name, value in (settings | limits).items()]
+    command = ["train", str(room), *options, "--out", str(folder), "--checkpoint-seconds", "0"]
+    done = subprocess.run(
+        [sys.executable, "-m", "habilis.cli", *command], capture_output=True, text=True
+    )
+    assert done.returncode == 2
+    found = re.fullmatch(
+        r"habilis: room.txt: the loss of run (\d) is not finite at step ([\d,]+); lower "
+        r"learning_rate or reward_scale; the last good checkpoint is (.+)\n",
+        done.stderr,
+    )
+    assert found, done.stderr
+    latest = checkpoints.checkpoints(folder)[0]
+    assert found[3] == str(latest)
+    job = Job.of(0, read_config(folder))
+    assert checkpoints.restore(job, folder) == (latest, {})
+    run, step = int(found[1]), int(found[2].replace(",", ""))
+    # The step is that of the update, no more than a stretch behind what was saved.
+    per_update = job.config.algorithm.envs * job.config.algorithm.rollout
+    assert step % per_update == 0
+    assert job.records[run].steps < step <= job.records[run].steps + job.program.steps
+    assert all(np.isfinite(lane.learner.parameters).all() for lane in job.lanes.values())
 
 
 def test_what_is_not_finite_names_the_last_good_checkpoint(room, tmp_path):

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from habilis.benchmarks import Result
 from habilis.benchmarks.apart import alternating, measured_apart
 from habilis.benchmarks.plain_jax import make_train
-from habilis.learning import a2c
+from habilis.learning import a2c, algorithms
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Lane, Settings, advance
@@ -21,8 +21,8 @@ from habilis.learning.train import train
 from habilis.worlds.world import load_world
 
 RUNS, UPDATES = 10, 250
-CONFIG = Config(world="corridor", runs=RUNS, episodes=1_000_000)
-A2C = CONFIG.algorithm
+A2C = algorithms.A2C()
+CONFIG = Config(world="corridor", algorithm=A2C, runs=RUNS, episodes=1_000_000)
 STEPS = RUNS * UPDATES * A2C.envs * A2C.rollout
 """Environment steps of one call of a compiled loop: ten runs side by side."""
 

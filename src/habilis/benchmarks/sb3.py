@@ -34,12 +34,11 @@ def on_one_processor() -> list[Result]:
         make_vec_env,
     )
 
-    from habilis.benchmarks.learning import CONFIG, Loop
-    from habilis.benchmarks.learning import STEPS as OURS
+    from habilis.benchmarks import learning
     from habilis.envs.table import TableEnv
 
     torch.set_num_threads(1)
-    settings = CONFIG.algorithm
+    settings = learning.A2C
     mdp = tabulate(load_world("corridor"))
     envs: Any = make_vec_env(lambda: TableEnv(mdp), n_envs=settings.envs)
     agent = A2C(
@@ -54,9 +53,9 @@ def on_one_processor() -> list[Result]:
         device="cpu",
         seed=0,
     )
-    loop = Loop.of(CONFIG)
+    loop = learning.Loop.of(learning.CONFIG)
     seconds = alternating({"ours": loop.train, "sb3": lambda: agent.learn(STEPS)}, rounds=3)
-    ours, theirs = OURS / seconds["ours"], STEPS / seconds["sb3"]
+    ours, theirs = learning.STEPS / seconds["ours"], STEPS / seconds["sb3"]
     env = TableEnv(mdp)
     env.reset()
     actions = np.random.default_rng(0).integers(8, size=10_000).tolist()

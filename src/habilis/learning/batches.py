@@ -44,7 +44,7 @@ def train_jobs(
     jobs: Iterable[Job],
     on_progress: Callable[[Progress], None] | None = None,
     on_stretch: Callable[[], None] | None = None,
-    stopped: Callable[[], bool] = lambda: False,
+    stopped: Callable[[], object] = lambda: False,
     at_once: float = float("inf"),
 ) -> None:
     """Trains all runs of all jobs to their end; what they do goes into the jobs.
@@ -132,19 +132,32 @@ def _enter(seats: list[Seat], lanes: list[Lane], log: Log) -> None:
     for place, ((job, run), lane) in enumerate(zip(seats, lanes, strict=True)):
         record = job.records[run]
         envs = log.transition.shape[-1]
-        if not np.isfinite(log.loss[place]).all() or not _finite(lane.learner.parameters):
-            what = "parameters of" if np.isfinite(log.loss[place]).all() else "loss of"
-            raise NotFiniteError(
-                job,
-                run,
-                f"{job.world.name}: the {what} run {job.numbers[run]} stopped being finite between "
-                f"steps {record.steps:,} and {record.steps + job.program.steps:,} "
-                f"({record.count:,} episodes); lower learning_rate or reward_scale",
-            )
+        _check_finite(job, run, np.asarray(log.loss[place]), lane.learner.parameters)
         did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
-        record.add(*(part.reshape(-1, envs) for part in did))
+        transition, truncated = (part.reshape(-1, envs) for part in did)
+        record.add(transition, truncated, float(log.loss[place].mean(dtype=np.float64)))
         job.lanes[run] = lane
 
 
-def _finite(parameters: object) -> bool:
-    return all(bool(np.isfinite(leaf).all()) for leaf in jax.tree.leaves(parameters))
+def _check_finite(job: Job, run: int, loss: np.ndarray, parameters: object) -> None:
+    """Refuses what a run has come to, if it is no numbers.
+
+    Raises:
+        NotFiniteError: a loss is not finite, or what was learned at the end of the stretch.
+    """
+    broken = np.flatnonzero(~np.isfinite(loss))
+    if len(broken):
+        what, updates = "loss", int(broken[0]) + 1
+    elif not all(bool(np.isfinite(leaf).all()) for leaf in jax.tree.leaves(parameters)):
+        what, updates = "parameters", len(loss)
+    else:
+        return
+    record, algorithm = job.records[run], job.config.algorithm
+    step = record.steps + updates * algorithm.envs * algorithm.rollout
+    raise NotFiniteError(
+        job,
+        run,
+        f"{job.world.name}: the {what} of run {job.numbers[run]} "
+        f"{'is' if what == 'loss' else 'are'} not finite at step {step:,}; lower learning_rate or "
+        "reward_scale",
+    )

@@ -1,8 +1,16 @@
-"""Checkpoints: all that a run needs to go on, in one file that is whole or not there."""
+"""Checkpoints: all that a run needs to go on, in one file that is whole or not there.
 
+A checkpoint is an .npz with the SHA-256 of its bytes behind it, for the checksums of the format do
+not cover all of a file. NumPy reads it as it is.
+"""
+
+import hashlib
+import io
 import os
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import BinaryIO
 
 import jax
 import numpy as np
@@ -11,6 +19,8 @@ from habilis.learning.jobs import Job
 
 KEPT = 2
 _PREFIX, _SUFFIX = "checkpoint-", ".npz"
+_ASIDE = "damaged-"
+_DIGEST = hashlib.sha256
 
 
 def checkpoints(folder: Path) -> list[Path]:
@@ -27,20 +37,30 @@ def save(job: Job, folder: Path) -> Path:
     earlier = checkpoints(folder)
     number = 1 + (int(earlier[0].stem.removeprefix(_PREFIX)) if earlier else 0)
     path = folder / f"{_PREFIX}{number:08}{_SUFFIX}"
-    write_whole(path, lambda file: np.savez(file, allow_pickle=False, **_arrays(job)))
+    content = io.BytesIO()
+    np.savez(content, allow_pickle=False, **_arrays(job))
+    content.write(_DIGEST(content.getbuffer()).digest())
+    write_whole(path, lambda file: file.write(content.getbuffer()))
     for old in checkpoints(folder)[KEPT:]:
         old.unlink()
     return path
 
 
-def write_whole(path: Path, write) -> None:
+def remove_all(folder: Path) -> None:
+    """Removes a folder's checkpoints, those set aside too, and what a kill left half written."""
+    for pattern in (f"{_PREFIX}*{_SUFFIX}", f"{_ASIDE}*{_SUFFIX}", partial("*")):
+        for path in folder.glob(pattern):
+            path.unlink()
+
+
+def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Writes a file beside its place, makes sure that it is on the disk, and puts it there.
 
     Args:
         path: where it goes.
         write: what fills an open binary file.
     """
-    temporary = path.with_name(f".{path.name}.partial")
+    temporary = path.with_name(partial(path.name))
     try:
         with temporary.open("wb") as file:
             write(file)
@@ -56,32 +76,56 @@ def write_whole(path: Path, write) -> None:
         os.close(folder)
 
 
-def restore(job: Job, folder: Path) -> list[str]:
-    """Takes a job back to its last checkpoint that is whole, if there is one.
+def partial(name: str) -> str:
+    """What a file is called while it is written."""
+    return f".{name}.partial"
+
+
+def restore(job: Job, folder: Path) -> tuple[Path | None, dict[Path, str]]:
+    """Takes a job back to the last checkpoint that is whole, if there is one; writes nothing.
 
     Returns:
-        A line for each that is damaged.
+        That checkpoint, or `None`, and the later ones, which are damaged, each with what is wrong.
 
     Raises:
         ValueError: there are checkpoints, and all are damaged.
     """
-    told: list[str] = []
+    damaged: dict[Path, str] = {}
     found = checkpoints(folder)
     for path in found:
         try:
-            with path.open("rb") as file, np.load(file) as saved:
-                arrays = {name: saved[name] for name in saved.files}
-            _enter(job, arrays)
+            _enter(job, _read(path))
+        except FileNotFoundError:
+            return restore(job, folder)  # the process that trains has put a later one in its place
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            reason = (str(error).splitlines() or [type(error).__name__])[0]
-            told.append(f"{path}: is damaged ({reason}); going on from the one before")
+            damaged[path] = (str(error).splitlines() or [type(error).__name__])[0]
         else:
-            return told
+            return path, damaged
     if found:
         raise ValueError(
-            f"{found[0]}: is damaged, as are all checkpoints of {folder}; train the run again"
+            f"{found[0]}: is damaged, as are all checkpoints of {folder} ({damaged[found[0]]}); "
+            "train the run again in a new folder"
         )
-    return told
+    return None, damaged
+
+
+def set_aside(path: Path) -> None:
+    """Has a damaged checkpoint out of the way, so that the last two are whole ones."""
+    path.rename(path.with_name(_ASIDE + path.name))
+
+
+def _read(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of a checkpoint.
+
+    Raises:
+        ValueError: its bytes are not those that were written.
+    """
+    size = _DIGEST().digest_size
+    content = path.read_bytes()
+    if _DIGEST(memoryview(content)[:-size]).digest() != content[-size:]:
+        raise ValueError("its checksum is another")
+    with np.load(io.BytesIO(content)) as saved:
+        return {name: saved[name] for name in saved.files}
 
 
 def _arrays(job: Job) -> dict[str, np.ndarray]:
@@ -91,6 +135,7 @@ def _arrays(job: Job) -> dict[str, np.ndarray]:
             arrays[f"{run}/lane{jax.tree_util.keystr(path)}"] = np.asarray(leaf)
         arrays[f"{run}/running"] = record.running
         arrays[f"{run}/episodes"] = record.episodes()
+        arrays[f"{run}/points"] = record.points()
         arrays[f"{run}/steps"] = np.int64(record.steps)
     return arrays
 
@@ -101,13 +146,15 @@ def _enter(job: Job, arrays: dict[str, np.ndarray]) -> None:
     for run, record in enumerate(job.records):
         like, structure = jax.tree_util.tree_flatten_with_path(job.start(run))
         leaves = [arrays[f"{run}/lane{jax.tree_util.keystr(path)}"] for path, _ in like]
-        running, episodes = arrays[f"{run}/running"], arrays[f"{run}/episodes"]
-        wanted = [leaf for _, leaf in like] + [record.running, record.episodes()[:0]]
-        for array, model in zip([*leaves, running, episodes[:0]], wanted, strict=True):
+        parts = [arrays[f"{run}/{name}"] for name in ("running", "episodes", "points")]
+        running, episodes, points = parts
+        wanted = [record.running, record.episodes()[:0], record.points()[:0]]
+        there = [*leaves, running, episodes[:0], points[:0]]
+        for array, model in zip(there, [leaf for _, leaf in like] + wanted, strict=True):
             if array.shape != model.shape or array.dtype != model.dtype:
                 raise ValueError(f"run {run} has an array {array.dtype}{array.shape}")
         lanes[run] = jax.tree_util.tree_unflatten(structure, leaves)
-        entries.append((record, int(arrays[f"{run}/steps"]), running, episodes))
+        entries.append((record, int(arrays[f"{run}/steps"]), *parts))
     job.lanes.update(lanes)
-    for record, steps, running, episodes in entries:
-        record.restore(steps, running, episodes)
+    for record, steps, running, episodes, points in entries:
+        record.restore(steps, running, episodes, points)

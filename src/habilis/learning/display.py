@@ -14,6 +14,8 @@ from habilis.learning.runs import Progress
 def progress_bars(labels: Sequence[str]) -> Iterator[Callable[[Progress], None]]:
     """Bars on standard error, one for each configuration, from the first report on.
 
+    There are none where standard error is no terminal.
+
     Yields:
         What to hand to `train` as `on_progress`.
     """
@@ -22,7 +24,8 @@ def progress_bars(labels: Sequence[str]) -> Iterator[Callable[[Progress], None]]
         BarColumn(bar_width=20),
         TextColumn("{task.fields[text]}"),
     )
-    bars = Bars(*columns, console=Console(stderr=True))
+    console = Console(stderr=True)
+    bars = Bars(*columns, console=console, disable=not console.is_terminal)
     tasks = [bars.add_task(label, total=1.0, text="waiting") for label in labels]
 
     def show(progress: Progress) -> None:

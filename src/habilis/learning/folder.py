@@ -4,6 +4,7 @@ config.json         the configuration
 world.txt           the map, with the tool that was used
 checkpoint-*.npz    what to go on from, while it trains
 lock                held by the process that trains
+tensorboard/run-K   event files of run K
 episodes.parquet    `Run.episodes`
 parameters.npz      what was learned, runs along the first axis
 summary.json        best return, and each run's episodes to convergence; written last
@@ -14,7 +15,7 @@ import os
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -34,15 +35,20 @@ from habilis.worlds.world import World
 _LONGEST_NAME = 240  # bytes: what file systems allow, less what a temporary name adds
 
 
-def check_unused(folder: str | Path) -> None:
+def check_unused(folder: str | Path, but: Collection[str] = ()) -> None:
     """Refuses a folder that a run cannot be saved in, before any work is done.
+
+    Args:
+        folder: where the run is to be.
+        but: names of files that may be there, whole or half written.
 
     Raises:
         ValueError: it exists and is not an empty folder, or cannot be written.
     """
     folder = Path(folder)
     check_writable(folder)
-    if folder.exists() and any(folder.iterdir()):
+    allowed = {*but, *(checkpoints.partial(name) for name in but)}
+    if folder.exists() and any(path.name not in allowed for path in folder.iterdir()):
         raise ValueError(f"{folder}: exists already; name a new folder, or remove it")
 
 
@@ -86,8 +92,12 @@ def save_run(run: Run, folder: str | Path) -> None:
 
 
 @contextmanager
-def saving(folder: Path) -> Iterator[None]:
+def saving(folder: Path, mend: str = "make room there, or name another place") -> Iterator[None]:
     """Turns what goes wrong on a disk into one line.
+
+    Args:
+        folder: named in the line.
+        mend: stands at its end.
 
     Raises:
         ValueError: something cannot be written.
@@ -96,19 +106,23 @@ def saving(folder: Path) -> Iterator[None]:
         yield
     except (OSError, pl.exceptions.PolarsError) as error:
         raise ValueError(
-            f"{folder}: cannot write the run ({_first_line(error)}); make room there, or name "
-            "another place"
+            f"{folder}: cannot write the run ({_first_line(error)}); {mend}"
         ) from error
 
 
 def begin(job: Job, folder: Path) -> None:
     """Writes what a run starts from."""
-    if not (folder / "world.txt").exists():
+    if not has_begun(folder):
         _write_inputs(job.config, job.world, folder)
 
 
+def has_begun(folder: Path) -> bool:
+    """Whether what a run starts from is in a folder."""
+    return (folder / "world.txt").exists()
+
+
 def finish(run: Run, folder: Path) -> None:
-    """Writes what came of a run, and removes the checkpoints."""
+    """Writes what came of a run, and removes what it was to go on from."""
     summary = {
         "best_return": run.best_return,
         "converged_at": list(run.converged_at),
@@ -120,8 +134,13 @@ def finish(run: Run, folder: Path) -> None:
         folder / "parameters.npz", lambda file: np.savez(file, allow_pickle=False, **parameters)
     )
     _write_json(folder / "summary.json", summary)
-    for path in [*checkpoints.checkpoints(folder), folder / "lock"]:
-        path.unlink(missing_ok=True)
+    tidy(folder)
+
+
+def tidy(folder: Path) -> None:
+    """Removes what a finished run needs no more."""
+    checkpoints.remove_all(folder)
+    (folder / "lock").unlink(missing_ok=True)
 
 
 def is_finished(folder: Path) -> bool:
@@ -167,6 +186,8 @@ def load_run(folder: str | Path) -> Run:
     Raises:
         ValueError: the folder holds no run, one that has not ended, or a damaged one; the message
             names the file.
+
+    See `load_latest` for runs that have not ended.
     """
     folder = Path(folder)
     config, world = read_config(folder), read_world(folder)
@@ -181,6 +202,23 @@ def load_run(folder: str | Path) -> Run:
         converged_at=tuple(summary["converged_at"]),
         parameters=_read(folder / "parameters.npz", lambda path: _parameters(path, config, world)),
     )
+
+
+def load_latest(folder: str | Path) -> Run:
+    """Reads a run back that may not have ended: as its last checkpoint has it.
+
+    Raises:
+        ValueError: the folder holds no run, one without a checkpoint, or a damaged one.
+    """
+    folder = Path(folder)
+    config, world = read_config(folder), read_world(folder)
+    if not is_finished(folder):
+        job = Job.of(0, config, world)
+        if checkpoints.restore(job, folder)[0] is not None:
+            return job.result()
+        if not is_finished(folder):  # it may have come to its end in the meantime
+            raise ValueError(f"{folder}: has no checkpoint yet; train on, or wait for one")
+    return load_run(folder)
 
 
 def _config(path: Path) -> tuple[Config, dict[str, str]]:

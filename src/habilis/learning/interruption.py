@@ -12,7 +12,15 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interrupted(KeyboardInterrupt):
-    """Work was stopped from outside; the message says how to go on."""
+    """Work was stopped by a signal; the message says how to go on.
+
+    Attributes:
+        signal: its number.
+    """
+
+    def __init__(self, message: str, number: int):
+        super().__init__(message)
+        self.signal = number
 
 
 @contextmanager
@@ -34,11 +42,14 @@ def alone(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def stop_signals() -> Iterator[Callable[[], bool]]:
-    """Whether Ctrl-C or SIGTERM has come. A second one ends the process as it always does."""
-    asked = threading.Event()
+def stop_signals() -> Iterator[Callable[[], int]]:
+    """Yields what tells which of Ctrl-C and SIGTERM has come, if one has, and 0 before.
+
+    A second one ends the process as it always does.
+    """
+    came = 0
     if threading.current_thread() is not threading.main_thread():
-        yield asked.is_set
+        yield lambda: 0
         return
     before = {number: signal.getsignal(number) for number in _SIGNALS}
 
@@ -47,12 +58,13 @@ def stop_signals() -> Iterator[Callable[[], bool]]:
             signal.signal(number, handler)
 
     def stop(number: int, frame: object) -> None:
-        asked.set()
+        nonlocal came
+        came = number
         restore()
 
     for number in _SIGNALS:
         signal.signal(number, stop)
     try:
-        yield asked.is_set
+        yield lambda: came
     finally:
         restore()

@@ -116,11 +116,16 @@ def reward(
 
     scale * (r + beta * M(s'))        or, as the configuration has it, M(s), gamma M(s') - M(s)
     """
-    fallen = jnp.maximum(0.0, 1 - taken * numbers["beta_falls"])
-    beta = numbers["beta"] * fallen * jnp.exp2(-taken * numbers["beta_halves"])
+    beta = beta_after(numbers, taken)
     entered = jnp.where(terminated, numbers["of_terminal"], 1.0) * numbers["of_next"] * of_next
     bonus = entered + numbers["of_current"] * of_current
     return numbers["reward_scale"] * (numbers["extrinsic"] * extrinsic + beta * bonus)
+
+
+def beta_after(numbers: Numbers, taken: Float[Array, ""]) -> Float[Array, ""]:
+    """The weight of the intrinsic reward after so many environment steps."""
+    fallen = jnp.maximum(0.0, 1 - taken * numbers["beta_falls"])
+    return numbers["beta"] * fallen * jnp.exp2(-taken * numbers["beta_halves"])
 
 
 def _distance(one: Network, other: Network, inputs: Int[Array, "*n factors"]):

@@ -2,10 +2,11 @@
 
 import time
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import polars as pl
+from jaxtyping import Bool, Int
 
 from habilis.learning.config import Config
 from habilis.learning.convergence import episodes_to_convergence
@@ -62,12 +63,47 @@ class Progress:
     runs: int
 
 
+RECENT = 1_000
+"""How many of a stretch's last transitions are remembered."""
+
+
+class Point(NamedTuple):
+    """How a run was doing after some stretch of training; NaN where there is nothing to tell.
+
+    Step and episode count from the run's beginning, the time is in seconds since 1970. Return and
+    length are means over the last 100 episodes; the loss is the mean over the stretch; entropy of
+    the policy (in nats) and bonus (the intrinsic value of the state entered, before its weight
+    beta) are means over the stretch's last `RECENT` transitions. The speed counts the steps of this
+    run since it began or was taken up again, learning and waiting included.
+    """
+
+    step: float
+    time: float
+    episode: float
+    episode_return: float
+    episode_length: float
+    loss: float
+    entropy: float
+    bonus: float
+    beta: float
+    steps_per_second: float
+
+
+class Stretch(NamedTuple):
+    """What is remembered of a stretch of training besides its episodes."""
+
+    loss: float
+    transitions: Int[np.ndarray, "n"]
+
+
 class Record:
     """One run so far: its episodes, and whether it is over.
 
     Attributes:
-        began: when its first stretch of training did.
+        began: when its first stretch of training in this process did.
         steps: environment steps taken.
+        before: steps and episodes that an earlier process had come to.
+        last: of its stretches in this process.
         running: float64[E, 2 + flags], sums over the episodes that have not ended.
         ended: whether it is over.
         converged_at: episodes to convergence, `None` if it has not converged.
@@ -79,10 +115,13 @@ class Record:
         self.ledger = ledger
         self.began: float | None = None
         self.steps = 0
+        self.before = (0, 0)
+        self.last: Stretch | None = None
         self.running = ledger.nothing(config.algorithm.envs)
         self.ended = False
         self.converged_at: int | None = None
         self._parts: list[np.ndarray] = [np.empty((0, self.running.shape[1]), np.float32)]
+        self._points: list[np.ndarray] = [np.empty((0, len(Point._fields)))]
 
     @property
     def count(self) -> int:
@@ -94,17 +133,36 @@ class Record:
             self._parts = [np.concatenate(self._parts)]
         return self._parts[0]
 
-    def restore(self, steps: int, running: np.ndarray, episodes: np.ndarray) -> None:
+    def points(self) -> np.ndarray:
+        """float64[n, fields]: a `Point` for each stretch for which one was noted."""
+        if len(self._points) > 1:
+            self._points = [np.concatenate(self._points)]
+        return self._points[0]
+
+    def note(self, point: Point) -> None:
+        self._points.append(np.array([point], np.float64))
+
+    def restore(
+        self, steps: int, running: np.ndarray, episodes: np.ndarray, points: np.ndarray
+    ) -> None:
         """Goes back to what an earlier process had come to."""
-        self.steps, self.running, self._parts = steps, running, [episodes]
+        self.steps, self.running, self._parts, self._points = steps, running, [episodes], [points]
+        self.before = steps, len(episodes)
         self._end_if_over()
 
-    def add(self, transition: np.ndarray, truncated: np.ndarray) -> None:
+    def add(
+        self,
+        transition: Int[np.ndarray, "T E"],
+        truncated: Bool[np.ndarray, "T E"],
+        loss: float,
+    ) -> None:
         """Takes in a stretch of training, and ends the run if that was its last.
 
         Args:
-            transition, truncated: int[steps, E] and bool[steps, E], what the environments did.
+            transition, truncated: what the environments did.
+            loss: its mean.
         """
+        self.last = Stretch(loss, transition.reshape(-1)[-RECENT:].copy())
         ended, self.running = self.ledger.entries(self.running, transition, truncated)
         self._parts.append(ended.astype(np.float32))
         self.steps += transition.size
@@ -124,6 +182,7 @@ def progress(config: int, records: list[Record]) -> Progress:
     counts = np.array([record.count for record in records])
     ended = np.array([record.ended for record in records])
     done, total = counts.sum(), np.where(ended, counts, budget).sum()
+    steps_before, done_before = np.sum([record.before for record in records], axis=0)
     began = [record.began for record in records if record.began is not None]
     seconds = time.perf_counter() - min(began)
     recent = [record.episodes()[-100:, 1] for record in records if record.count]
@@ -132,8 +191,10 @@ def progress(config: int, records: list[Record]) -> Progress:
         episodes=float(counts.mean()),
         share=float(done / total),
         episode_return=float(np.mean([r.mean() for r in recent])) if recent else float("nan"),
-        steps_per_second=sum(record.steps for record in records) / seconds,
-        seconds_left=float(seconds * (total - done) / done) if done else float("inf"),
+        steps_per_second=float(sum(record.steps for record in records) - steps_before) / seconds,
+        seconds_left=float(seconds * (total - done) / (done - done_before))
+        if done > done_before
+        else float("inf"),
         converged=sum(record.converged_at is not None for record in records),
         ended=int(ended.sum()),
         runs=len(records),

@@ -14,15 +14,21 @@ from habilis.learning.folder import (
     check_unused,
     check_writable,
     finish,
+    has_begun,
     is_finished,
     load_run,
     read_config,
     read_world,
     saving,
+    tidy,
 )
 from habilis.learning.interruption import Interrupted, alone, stop_signals
 from habilis.learning.jobs import Job
+from habilis.learning.points import note_points
 from habilis.learning.runs import Progress, Run
+from habilis.learning.tensorboard import EventFiles
+
+_GO_ON = "make room there, and go on with resume"
 
 
 def train_in_folder(
@@ -41,24 +47,60 @@ def train_in_folder(
     """
     if not seconds >= 0:
         raise ValueError(f"checkpoint_seconds is {seconds!r}; give a number from 0 up")
-    there = resume and folder.is_dir() and any(folder.iterdir())
-    check_writable(folder) if there else check_unused(folder)
-    job = _job_of(config, folder) if there else Job.of(0, config)
-    if is_finished(folder):
-        return load_run(folder)
+    if not resume:
+        check_unused(folder)
+    elif is_finished(folder):
+        return _finished(config, folder)
+    check_writable(folder)
+    job = _job_of(config, folder)
     with saving(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with alone(folder):
-        if there:
-            for line in checkpoints.restore(job, folder):
-                print(f"habilis: {line}", file=sys.stderr)
-        with saving(folder):
+        if is_finished(folder):  # by a process that had the folder until now
+            return _finished(config, folder)
+        _restore(job, folder)
+        with saving(folder, _GO_ON):
             begin(job, folder)
-        return _train(job, on_progress, folder, seconds)
+            events = EventFiles(job, folder)
+        return _train(job, on_progress, folder, seconds, events)
+
+
+def _finished(config: Config, folder: Path) -> Run:
+    _check_same(config, folder)
+    run = load_run(folder)
+    with saving(folder):
+        tidy(folder)
+    return run
 
 
 def _job_of(config: Config, folder: Path) -> Job:
-    """What a folder was begun with, if that is what is asked for."""
+    """What a folder was begun with, if that is what is asked for, or else something new.
+
+    A process that is killed before it has written what a run starts from leaves its lock, parts of
+    that, and nothing to go on from.
+    """
+    if not has_begun(folder):
+        ours = ("lock", "config.json", "world.txt") if (folder / "lock").exists() else ()
+        check_unused(folder, but=ours)
+        return Job.of(0, config)
+    _check_same(config, folder)
+    return Job.of(0, config, read_world(folder))
+
+
+def _restore(job: Job, folder: Path) -> None:
+    """Takes a job back to the last whole checkpoint, and tells of those that are damaged."""
+    good, damaged = checkpoints.restore(job, folder)
+    for path, reason in damaged.items():
+        print(
+            f"habilis: {path}: is damaged ({reason}); going on from the one before, {good}",
+            file=sys.stderr,
+        )
+        with saving(folder):
+            checkpoints.set_aside(path)
+
+
+def _check_same(config: Config, folder: Path) -> None:
+    """Refuses to go on with other settings than a folder was begun with."""
     began, wanted = read_config(folder).as_dict(), config.as_dict()
     for name, value in wanted.items():
         if json.loads(json.dumps(value)) != json.loads(json.dumps(began.get(name))):
@@ -66,19 +108,24 @@ def _job_of(config: Config, folder: Path) -> Job:
                 f"{folder}: was begun with {name} {began.get(name)!r}, not {value!r}; "
                 "give the same settings, or another folder"
             )
-    return Job.of(0, config, read_world(folder))
 
 
 def _train(
-    job: Job, on_progress: Callable[[Progress], None] | None, folder: Path, seconds: float
+    job: Job,
+    on_progress: Callable[[Progress], None] | None,
+    folder: Path,
+    seconds: float,
+    events: EventFiles,
 ) -> Run:
     saved = time.monotonic()
 
     def look(over: bool = False) -> None:
         nonlocal saved
+        note_points(job)
         if over or time.monotonic() - saved >= seconds:
-            with saving(folder):
+            with saving(folder, _GO_ON):
                 checkpoints.save(job, folder)
+                events.add()
             saved = time.monotonic()
 
     with stop_signals() as stopped:
@@ -90,8 +137,9 @@ def _train(
             raise FloatingPointError(f"{error}; {last}") from None
         if stopped() and not all(record.ended for record in job.records):
             look(over=True)
-            raise Interrupted(f"stopped; all is kept in {folder}: go on with --resume")
-    run = job.result()
-    with saving(folder):
-        finish(run, folder)
+            raise Interrupted(f"stopped; all is kept in {folder}, to go on with resume", stopped())
+        run = job.result()
+        with saving(folder, _GO_ON):
+            events.add()
+            finish(run, folder)
     return run

@@ -8,11 +8,11 @@ of these converge. That setting is written to `data/settings.toml`, for all rows
 seeds are not those of the tables.
 
 The weight of entropy stays as it is for twice as long as the slowest of these runs took, then
-falls to nothing in as long again. For the vanilla agents this changes nothing. The others need it:
-where a bonus leaves a step's cost at 0.4 instead of 1, the policy that balances it with entropy is a
-noisy one, for ever three steps from the best return on average, though its greedy plan is a
-shortest one. And it must not fall sooner: runs whose entropy is gone too early stay on a plan too
-long (`docs/learning.md`).
+falls to nothing in as long again. For the vanilla agents this changes nothing. The others need
+it: where a bonus leaves a step's cost at 0.4 instead of 1, the policy that balances it with
+entropy is a noisy one, for ever three steps from the best return on average, though its greedy
+plan is a shortest one. And it must not fall sooner: runs whose entropy is gone too early stay on
+a plan a step or two too long (`docs/learning.md`).
 
     python -m habilis.studies.calibrate      # half an hour; goes on where it was stopped
 """

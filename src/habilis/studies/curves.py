@@ -5,9 +5,8 @@ import polars as pl
 from jaxtyping import Float
 
 from habilis.learning.convergence import moving_average
+from habilis.learning.curves import SMOOTHING, VALUES
 from habilis.learning.runs import Run
-
-SMOOTHING = 100  # episodes
 
 Curves = Float[np.ndarray, "runs episodes"]
 """A value for each run and episode, as far as every run goes; NaN where there is none."""
@@ -15,7 +14,7 @@ Curves = Float[np.ndarray, "runs episodes"]
 
 def equipped_share(run: Run) -> Curves:
     """Share of an episode's steps with the tool in hand."""
-    return _by_run(run, pl.col("equipped") / pl.col("steps"))
+    return _by_run(run, VALUES["equipped"])
 
 
 def attached_share(run: Run) -> Curves:
@@ -23,12 +22,12 @@ def attached_share(run: Run) -> Curves:
 
     There is none in an episode in which the tool was never in hand.
     """
-    return _by_run(run, pl.col("attached") / pl.col("equipped"))
+    return _by_run(run, VALUES["attached"])
 
 
 def returns(run: Run) -> Curves:
     """Extrinsic return."""
-    return _by_run(run, pl.col("return"))
+    return _by_run(run, VALUES["return"])
 
 
 def mean_curve(curves: Curves) -> Float[np.ndarray, "fewer"]:

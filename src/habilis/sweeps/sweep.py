@@ -16,7 +16,8 @@ from habilis.sweeps import store
 from habilis.sweeps.tasks import Done, Outcomes, Task, check, run_tasks, tasks_of
 from habilis.worlds.world import World, load_world
 
-Stopped = Callable[[], bool]
+Stopped = Callable[[], int]
+"""Whether to leave it at that: 0, or the signal that came."""
 OnProgress = Callable[[int, int], None]
 """Told how many tasks are finished, and of how many."""
 
@@ -136,7 +137,8 @@ class Session:
         if left:
             raise Interrupted(
                 f"stopped; {len(tasks) - left} of {len(tasks)} tasks are kept in {self.folder}: "
-                "go on with --resume"
+                "go on with --resume",
+                int(self.stopped()),
             )
 
     def finish(self, points: Sequence[store.Point]) -> pl.DataFrame:

@@ -120,7 +120,7 @@ def run_task(task: Task) -> Outcomes:
 
 
 def run_tasks(
-    tasks: Iterable[Task], done: Done, stopped: Callable[[], bool] = lambda: False
+    tasks: Iterable[Task], done: Done, stopped: Callable[[], object] = lambda: False
 ) -> None:
     """Trains tasks in this process, side by side, as many as fill its batches of lanes.
 

@@ -1,0 +1,145 @@
+"""The verbs of the command line that train agents and show what they learned."""
+
+import shlex
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from habilis.cli_arguments import Args
+from habilis.cli_output import console, print_json, refuse, save
+from habilis.extras import import_from
+from habilis.worlds.rules import ACTIONS
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.text import Text
+
+
+def train(args: Args) -> int:
+    from habilis.learning.arguments import config_from_args
+
+    learning = import_from("habilis.learning.train", "learn")
+    display = import_from("habilis.learning.display", "learn")
+    config = config_from_args(args)
+    try:
+        with display.progress_bars([args.world]) as show:
+            run = learning.train(
+                config,
+                show,
+                out=args.out,
+                resume=args.resume,
+                checkpoint_seconds=args.checkpoint_seconds,
+            )
+    except KeyboardInterrupt as stop:
+        command = shlex.join(["habilis", *args.command] + ["--resume"] * (not args.resume))
+        number = getattr(stop, "signal", 2)
+        kept = f"all is kept in {args.out}; " if str(stop) else ""
+        return refuse(f"stopped; {kept}go on with: {command}", status=128 + number)
+    finished = [at for at in run.converged_at if at is not None]
+    summary = {
+        "best_return": run.best_return,
+        "converged": len(finished),
+        "runs": config.runs,
+        "converged_at": list(run.converged_at),
+        "mean_episodes": float(np.mean(finished)) if finished else None,
+        "out": str(args.out),
+    }
+    if args.json:
+        return print_json(summary)
+    mean = f", after {summary['mean_episodes']:,.0f} episodes on average" if finished else ""
+    print(f"{len(finished)} of {config.runs} runs converged{mean}; see {args.out}")
+    return 0
+
+
+def watch(args: Args) -> int:
+    import habilis
+    from habilis.worlds.pictures import colored_text, save_gif
+    from habilis.worlds.table import placement
+
+    folder = import_from("habilis.learning.folder", "learn")
+    replay = import_from("habilis.learning.replay", "learn")
+    ended = folder.is_finished(args.folder)
+    run = folder.load_latest(args.folder)
+    episode = replay.play(run, args.run)
+    mdp = habilis.tabulate(run.world)
+    frames = [placement(run.world, mdp, state) for state in episode.states]
+    if args.gif is not None:
+        save(args.gif, lambda path: save_gif(frames, path))
+    trained = int((run.episodes["run"] == args.run).sum())
+    if args.json:
+        print_json(
+            {"steps": len(episode.actions), "return": episode.episode_return}
+            | {"finished": episode.finished, "actions": list(episode.actions)}
+            | {"run": args.run, "episodes": trained, "ended": ended}
+        )
+        return 0 if episode.finished else 1
+    screen = console()
+    if screen.is_terminal:
+        _animate(screen, [colored_text(frame) for frame in frames], 1 / args.speed)
+    else:
+        screen.print(colored_text(frames[-1]))
+    print(", ".join(ACTIONS[action] for action in episode.actions))
+    end = "the goal is reached" if episode.finished else "the policy goes round in circles"
+    print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
+    so_far = "" if ended else ", as the last checkpoint has it: training has not ended"
+    print(f"run {args.run} after {trained:,} episodes{so_far}")
+    if args.gif is not None:
+        print(f"film: {args.gif}")
+    return 0 if episode.finished else 1
+
+
+def plot(args: Args) -> int:
+    folder = import_from("habilis.learning.folder", "learn")
+    curves = import_from("habilis.learning.curves", "learn")
+    picture = import_from("habilis.learning.curves_picture", "learn")
+    from habilis.worlds.pictures import save_figure
+
+    runs = [folder.load_latest(place) for place in args.folders]
+    labels = picture.labels([run.config for run in runs], [str(place) for place in args.folders])
+    drawn = {
+        label: curves.learning_curve(run, args.value, args.x, args.statistic)
+        for label, run in zip(labels, runs, strict=True)
+    }
+    out = args.out
+    if out is None and not args.json:
+        out = picture.DEFAULT
+    if out is not None:
+        best = [run.best_return for run in runs] if args.value == "return" else []
+        figure = picture.curves_figure(drawn, best)
+        save(out, lambda path: save_figure(figure, path))
+    if args.json:
+        told = [
+            {"folder": str(place), "label": label} | curve.as_dict()
+            for place, (label, curve) in zip(args.folders, drawn.items(), strict=True)
+        ]
+        return print_json(
+            {"x": args.x, "value": args.value, "statistic": args.statistic, "curves": told}
+            | {"out": out and str(out)}
+        )
+    for label, curve in drawn.items():
+        print(f"{label}: {curve.text()}")
+    print(f"picture: {out}")
+    return 0
+
+
+def _animate(screen: "Console", frames: "list[Text]", seconds: float) -> None:
+    import time
+
+    from rich.live import Live
+
+    with Live(frames[0], console=screen, auto_refresh=False) as live:
+        for frame in frames:
+            live.update(frame, refresh=True)
+            time.sleep(seconds)
+
+
+def sweep(args: Args) -> int:
+    command = import_from("habilis.sweeps.command", "learn")
+    try:
+        result = command.run(args)
+    except KeyboardInterrupt as stop:
+        return refuse(str(stop) or "interrupted", status=128 + getattr(stop, "signal", 2))
+    if args.json:
+        return print_json(result)
+    command.show(result)
+    return 0

@@ -1,0 +1,76 @@
+"""Points of the curves that a run draws while it trains."""
+
+import time
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from habilis.learning import intrinsic
+from habilis.learning.algorithms import A2C, PPO
+from habilis.learning.jobs import Job
+from habilis.learning.lanes import Lane, Program, Settings
+from habilis.learning.runs import Point
+from habilis.learning.task import Task
+
+EPISODES = 100
+"""Over how many of the last episodes return and length are averaged."""
+
+
+def note_points(job: Job) -> None:
+    """Notes a point for every run that has trained on since its last one."""
+    for run, record in enumerate(job.records):
+        points = record.points()
+        if record.last is not None and (not len(points) or points[-1, 0] < record.steps):
+            record.note(_point(job, run))
+
+
+def _point(job: Job, run: int) -> Point:
+    record = job.records[run]
+    assert record.last is not None
+    assert record.began is not None
+    recent = record.episodes()[-EPISODES:]
+    steps, episode_return = recent[:, :2].mean(axis=0) if len(recent) else (np.nan, np.nan)
+    entropy, bonus, beta = _measured(
+        job.task[0],
+        job.settings,
+        job.lanes[run],
+        jnp.asarray(record.last.transitions),
+        np.float32(record.steps),
+        job.program,
+    )
+    return Point(
+        step=record.steps,
+        time=time.time(),
+        episode=record.count,
+        episode_return=float(episode_return),
+        episode_length=float(steps),
+        loss=record.last.loss,
+        entropy=float(entropy),
+        bonus=float(bonus) if job.config.regularised else np.nan,
+        beta=float(beta) if job.config.regularised else np.nan,
+        steps_per_second=(record.steps - record.before[0]) / (time.perf_counter() - record.began),
+    )
+
+
+@partial(jax.jit, static_argnames="program")
+def _measured(
+    task: Task,
+    settings: Settings,
+    lane: Lane,
+    transitions: Int[Array, "n"],
+    taken: Float[Array, ""],
+    program: Program,
+) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
+    """Entropy of the policy, intrinsic value of the states entered, and its weight."""
+    states, reached = transitions // task.actions, task.next_state[transitions]
+    entropy = jnp.float32(jnp.nan)
+    if isinstance(program.algorithm, A2C | PPO):
+        visited = task._replace(inputs=task.inputs[states])
+        logits = program.module.preferences(visited, lane.learner.parameters)
+        log_policy = jax.nn.log_softmax(logits)
+        entropy = -(jnp.exp(log_policy) * log_policy).sum(axis=-1).mean()
+    bonus = intrinsic.values(program.intrinsic, lane.novelty, settings.table, task, reached).mean()
+    return entropy, bonus, intrinsic.beta_after(settings.numbers, taken)
