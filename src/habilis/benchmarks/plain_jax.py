@@ -53,8 +53,8 @@ def room_of(world: World) -> Room:
     wall = np.zeros((world.height, world.width), bool)
     for cell in world.walls:
         wall[cell] = True
-    cells = (jnp.array(cell) for cell in (world.agent, world.tool_cell, world.object))
-    return Room(jnp.asarray(wall), State(*cells, jnp.int32(0)), jnp.array(world.goal))
+    agent, tool, can = (jnp.array(cell) for cell in (world.agent, world.tool_cell, world.object))
+    return Room(jnp.asarray(wall), State(agent, tool, can, jnp.int32(0)), jnp.array(world.goal))
 
 
 def moved(room: Room, state: State, action: Int[Array, ""]) -> State:
