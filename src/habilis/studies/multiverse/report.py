@@ -15,7 +15,6 @@ from habilis.studies.multiverse.settings import (
     LEARNERS,
     RUNS,
     SHAPINGS,
-    STEPS,
 )
 from habilis.studies.multiverse.study import Study, aggregate, paper_curves
 from habilis.studies.page import inlined, render
@@ -53,7 +52,6 @@ def write_study(study: Study, folder: Path) -> None:
         betas=BETAS,
         horizons=HORIZONS,
         runs=RUNS,
-        steps=STEPS,
         shapings=SHAPINGS,
         trained=len(study.runs),
     )

@@ -15,23 +15,35 @@ BUILTIN = Path(__file__).parents[2] / "worlds" / "builtin"
 BETAS = (0.04, 0.08, 0.15, 0.3)
 HORIZONS = (1, 3, 6, 8)
 RUNS, SEED = 10, 4001
-STEPS = 1_500_000
-"""Environment steps after which a run is given up."""
+
+_SHORTER = {"entropy_hold": 600_000, "entropy_steps": 600_000}
 
 LEARNERS: dict[str, dict[str, Any]] = {
-    "A2C": {},  # as frozen for the paper's tables
-    "A2C, lambda 0.95": {"gae_lambda": 0.95},
-    "A2C, learning rate 2e-3": {"learning_rate": 2e-3},
-    "PPO": {"algorithm": "ppo", "envs": 16, "rollout": 32, "normalise": False},
+    "A2C": {"steps": 1_500_000} | _SHORTER,
+    "A2C, constant entropy": {"steps": 1_500_000, "entropy_end": 0.02},
+    "PPO": {
+        "algorithm": "ppo",
+        "steps": 800_000,
+        "envs": 16,
+        "rollout": 32,
+        "normalise": False,
+        "entropy_end": 0.0,
+        "entropy_hold": 300_000,
+        "entropy_steps": 300_000,
+    },
     "Q-learning": {
         "algorithm": "q-learning",
+        "steps": 600_000,
         "learning_rate": 0.5,
         "epsilon": 0.1,
         "epsilon_end": 0.002,
         "epsilon_steps": 200_000,
     },
 }
-"""Training choices, by the names that pictures show."""
+"""Training choices, by the names that pictures show: changes to the settings of the tables, or to
+an algorithm's defaults, and the environment steps after which a run is given up. With A2C entropy
+falls sooner than in the tables, which changes little for vanilla agents, but takes a quarter of the
+time where a bonus makes steps cheap."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +155,6 @@ def _agent(
         runs=RUNS,
         seed=SEED,
         episodes=1_000_000,
-        steps=STEPS,
     )
     return Agent(part, learner, world, tool, reward, horizon, beta, how, config)
 
