@@ -172,7 +172,7 @@ def test_a_result_that_comes_twice_is_kept_once(config, tmp_path):
 @pytest.mark.parametrize(
     ("change", "mend"),
     [
-        ({"world": "nowhere"}, "point 1: 'nowhere': no such world"),
+        ({"world": "nowhere"}, "point 1: nowhere: no such world"),
         ({"intrinsic": "objet", "beta": 0.1}, "point 1: sensor 'objet' is unknown"),
         ({"tool": "broom"}, "point 1: .*no tool whose place"),
     ],
