@@ -156,7 +156,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
         "train a grid of configurations, or search for the best",
         "habilis sweep SPEC.toml --out sweeps/beta",
     )
-    v.add_argument("spec", type=Path, metavar="SPEC.toml", help="what to vary; see the README")
+    v.add_argument("spec", type=Path, metavar="SPEC.toml", help="[config], and [grid] or [search]")
     v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
     v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
     ray = "train on a Ray cluster: HOST:PORT, auto, or local to start one here"

@@ -47,10 +47,16 @@ def on_ray(address: str) -> Iterator[Executor]:
             logging_level=logging.ERROR,
         )
     except (ConnectionError, RuntimeError, ValueError, RayError) as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise ValueError(f"{address}: no Ray cluster can be reached there ({reason})") from None
+        raise ValueError(
+            f"{address}: no Ray cluster can be reached there ({_first_line(error)}); start one by "
+            "ray start --head, or give --ray local"
+        ) from None
     try:
         yield _run
+    except RayError as error:
+        raise ValueError(
+            f"{address}: the Ray cluster is lost ({_first_line(error)}); go on with --resume"
+        ) from None
     finally:
         ray.shutdown()
 
@@ -83,3 +89,7 @@ def _run(tasks: Sequence[Task], done: Done, stopped: Stopped) -> None:
 
 def _train(task: Task) -> Outcomes:
     return run_task(task)
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]
