@@ -52,10 +52,12 @@ def cluster():
     )
     with process:
         yield process
+        assert process.stdin is not None
         process.stdin.close()
 
 
 def told(process: subprocess.Popen) -> str:
+    assert process.stdout is not None
     line = process.stdout.readline().strip()
     assert line, "the cluster has gone"
     return line

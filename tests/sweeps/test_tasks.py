@@ -54,3 +54,13 @@ def test_a_run_that_stops_being_finite_is_given_up_and_the_others_go_on(config):
     assert not any(o.finite or o.converged_at is not None for o in gone)
     assert all(o.finite for o in fine)
     assert tuple(fine) == run_task(tasks[2]) + run_task(tasks[3])
+
+
+def test_what_ended_in_the_same_stretch_as_one_was_given_up_is_finished_too(config):
+    brief = config.changed(runs=2, steps=1)
+    wild = config.changed(runs=3, learning_rate=1e30, clip=1e30)
+    (first,), (second,) = tasks_of(brief), tasks_of(wild)
+    together = {}
+    run_tasks([first, second], lambda task, outcomes: together.setdefault(task.name, outcomes))
+    assert together[first.name] == run_task(first)
+    assert not any(outcome.finite for outcome in together[second.name])
