@@ -85,6 +85,7 @@ def test_a_sweep_outlives_a_node_and_a_driver(room, tmp_path, cluster, capsys):
 
     first = start()
     wait_for(first, 1)
+    assert cluster.stdin is not None
     cluster.stdin.write("kill\n")
     cluster.stdin.flush()
     assert told(cluster) == "killed"
