@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/installed
 
-.PHONY: test paper quick check format calibrate bench clean
+.PHONY: test paper quick check format calibrate reconstruct bench clean
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest
@@ -27,6 +27,11 @@ format: $(INSTALLED)
 # Chooses the A2C settings of the paper's tables anew, on the vanilla rows alone. Hours.
 calibrate: $(INSTALLED)
 	$(BIN)/python -m habilis.studies.calibrate
+
+# Searches for the other maps in src/habilis/studies/data/maps anew. An hour.
+reconstruct: $(INSTALLED)
+	$(BIN)/habilis reconstruct yard --count 8 --out maps
+	$(BIN)/habilis reconstruct corridor --count 8 --from corridor --hot 0.3 --out maps
 
 bench: $(INSTALLED)
 	$(BIN)/habilis bench

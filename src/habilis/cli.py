@@ -330,6 +330,12 @@ def reproduce(args: Args) -> int:
     return 0
 
 
+def reconstruct(args: Args) -> int:
+    from habilis.studies.reconstruction.command import reconstruct as search
+
+    return search(args)
+
+
 def bench(args: Args) -> int:
     from habilis.benchmarks import run_benchmarks
 
@@ -394,6 +400,7 @@ _VERBS: dict[str, Verb] = {
         train,
         watch,
         reproduce,
+        reconstruct,
         bench,
     )
 }
