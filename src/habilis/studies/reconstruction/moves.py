@@ -3,7 +3,13 @@
 from dataclasses import replace
 from random import Random
 
-from habilis.studies.reconstruction.shapes import SIDES, free_cells, neighbours, sound
+from habilis.studies.reconstruction.shapes import (
+    SIDES,
+    free_cells,
+    neighbours,
+    one_room,
+    walls_alone,
+)
 from habilis.studies.stated import StatedMap
 from habilis.worlds.world import NO_TOOL, Cell, World
 
@@ -15,7 +21,7 @@ def random_map(stated: StatedMap, random: Random) -> World:
     """Straight runs of walls, and things on free cells: what a search begins with.
 
     Raises:
-        ValueError: there seems to be no sound map with so many walls.
+        ValueError: there seems to be no such map of one room.
     """
     height, width = stated.height, stated.width
     for _ in range(_TRIES):
@@ -40,7 +46,7 @@ def random_map(stated: StatedMap, random: Random) -> World:
             tool=stated.tool,
             tool_cell=None if stated.tool == NO_TOOL else tool,
         )
-        if sound(world):
+        if not walls_alone(world) and one_room(world):
             return world
     raise ValueError(
         f"{stated.name}: no map of {height} x {width} cells has {stated.walls} walls that leave "
@@ -49,11 +55,17 @@ def random_map(stated: StatedMap, random: Random) -> World:
 
 
 def neighbour(world: World, random: Random) -> World:
-    """A sound map that differs a little: in a wall, a run of walls, or where things are."""
+    """A map that differs a little: in a wall, a run of walls, or where things are.
+
+    It is one room, and has no more walls that stand alone.
+    """
+    alone = walls_alone(world)
     while True:
         change = random.choices(_CHANGES, _WEIGHTS)[0]
         changed = change(world, random)
-        if changed is not None and changed != world and sound(changed):
+        if changed is None or changed == world:
+            continue
+        if walls_alone(changed) <= alone and one_room(changed):
             return changed
 
 

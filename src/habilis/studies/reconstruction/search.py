@@ -11,7 +11,7 @@ from habilis.studies.reconstruction.shapes import difference
 from habilis.studies.stated import StatedMap
 from habilis.worlds.world import World
 
-LEAST_DIFFERENCE = 1 / 3
+LEAST_DIFFERENCE = 0.6
 """The share of walls and things in which a map differs from every other; see `difference`."""
 
 Report = Callable[[str], None]

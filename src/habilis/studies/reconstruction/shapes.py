@@ -1,4 +1,4 @@
-"""Which maps are sound, and how different two maps are."""
+"""What maps look like, and how different two maps are."""
 
 from collections.abc import Iterable
 
@@ -18,10 +18,13 @@ def free_cells(world: World) -> list[Cell]:
     return [cell for cell in cells if cell not in world.walls]
 
 
-def sound(world: World) -> bool:
-    """Whether walls stand in runs, not alone, and all free cells are one room."""
-    if any(not world.walls.intersection(neighbours(wall)) for wall in world.walls):
-        return False
+def walls_alone(world: World) -> int:
+    """How many walls have none beside them: what makes a map look like anything but rooms."""
+    return sum(not world.walls.intersection(neighbours(wall)) for wall in world.walls)
+
+
+def one_room(world: World) -> bool:
+    """Whether every free cell can be walked to from every other."""
     free = set(free_cells(world))
     found, edge = {world.agent}, [world.agent]
     while edge:
