@@ -63,7 +63,7 @@ def test_a_goal_out_of_reach_is_infinitely_far():
 
 
 def test_side_by_side_is_in_the_open():
-    assert yard().side_by_side == (BESIDE_TOOL, BESIDE_CAN, (2, 7))
+    assert yard().side_by_side == (BESIDE_TOOL, BESIDE_CAN)
     assert Scene(World.parse("AP.CG")).side_by_side is None
     placed = Stated("landscape", "", horizon=1, placed=True, around="tool", within=1)
     assert np.isnan(measured(Scene(World.parse("AP.CG")), placed))

@@ -30,15 +30,14 @@ def measured(scene: Scene, stated: Stated) -> float:
 
 
 def _of_landscape(scene: Scene, stated: Stated) -> float:
-    if stated.placed:
-        places = scene.side_by_side
-        if places is None:
-            return nan
-        scene = scene.placed(*places)
-    values = scene.landscape(stated.horizon, stated.sensor)
+    places = scene.side_by_side if stated.placed else (scene.world.tool_cell, scene.world.object)
+    if places is None:
+        return nan
+    values = scene.landscape(stated.horizon, stated.sensor, places)
     if stated.around:
-        thing = scene.tool_cell if stated.around == "tool" else scene.world.object
-        distance = scene.distance(thing)
+        cell = places[0] if stated.around == "tool" else places[1]
+        assert cell is not None, "lists that speak of a tool without one are refused"
+        distance = scene.distance(cell)
         values = values[(distance <= stated.within) & (distance > stated.beyond)]
     values = values[np.isfinite(values)]
     if not len(values):

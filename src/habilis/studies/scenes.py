@@ -25,9 +25,7 @@ class Scene:
     world: World
     _like: TabularMDP | None = field(default=None, compare=False, repr=False)
     _tools: dict[str, "Scene"] = field(default_factory=dict, compare=False, repr=False)
-    _landscapes: dict[tuple[int, str], np.ndarray] = field(
-        default_factory=dict, compare=False, repr=False
-    )
+    _landscapes: dict[tuple, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
     def mdp(self) -> TabularMDP:
@@ -47,22 +45,27 @@ class Scene:
             other._tools[tool] = scene.restarted(world.with_tool(tool))
         return other
 
-    def placed(self, tool: Cell, object: Cell, agent: Cell | None = None) -> "Scene":
-        """The same map with tool and object lying elsewhere, and the agent if it is named."""
-        agent = self.world.agent if agent is None else agent
-        return Scene(replace(self.world, tool_cell=tool, object=object, agent=agent))
+    def placed(self, tool: Cell, object: Cell) -> "Scene":
+        """The same map with tool and object lying elsewhere."""
+        return Scene(replace(self.world, tool_cell=tool, object=object))
 
     def average(self, horizon: int, sensor: str = "object") -> float:
         """See `measures.average_empowerment`."""
         return average_empowerment(self.mdp, horizon, sensor)
 
-    def landscape(self, horizon: int, sensor: str) -> Float64[np.ndarray, "rows columns"]:
-        """Bits for every agent cell, tool and object at their cells of the map."""
-        if (horizon, sensor) not in self._landscapes:
-            self._landscapes[horizon, sensor] = landscape(
-                self.mdp, horizon, sensor, tool=self.world.tool_cell, object=self.world.object
-            )
-        return self._landscapes[horizon, sensor].copy()
+    def landscape(
+        self, horizon: int, sensor: str, places: tuple[Cell, Cell] | None = None
+    ) -> Float64[np.ndarray, "rows columns"]:
+        """Bits for every agent cell, tool and object at their cells of the map.
+
+        Or at other places, for the agent cells from which the tool is then in hand.
+        """
+        tool, thing = places or (self.world.tool_cell, self.world.object)
+        key = horizon, sensor, tool, thing
+        if key not in self._landscapes:
+            values = landscape(self.mdp, horizon, sensor, tool=tool, object=thing)
+            self._landscapes[key] = values
+        return self._landscapes[key].copy()
 
     def beside(self, horizon: int, sensor: str, cell: Cell) -> Float64[np.ndarray, "n"]:
         """The landscape's values in the cells around one."""
@@ -75,18 +78,18 @@ class Scene:
         return np.abs(rows - cell[0]) + np.abs(columns - cell[1])
 
     @property
-    def side_by_side(self) -> tuple[Cell, Cell, Cell] | None:
-        """Cells of tool, object and agent, side by side in the open; `None` if there are none.
+    def side_by_side(self) -> tuple[Cell, Cell] | None:
+        """Cells of tool and object, side by side in the open; `None` if there are none.
 
-        The paper's Figure 4 has tool and object so; where, is not known. Here the agent, with the
-        tool between itself and the object, has two free cells on every side: the topmost, then
+        The paper's Figure 4 has tool and object so; where, is not known. Here an agent with the
+        tool between itself and the object has two free cells on every side: the topmost, then
         easternmost such place, in which the tool is to the west of the agent.
         """
         near = [(0, 0), *((d * k, e * k) for k in (1, 2) for d, e in _SIDES)]
         for row in range(2, self.world.height - 2):
             for column in reversed(range(2, self.world.width - 2)):
                 if not any((row + r, column + c) in self.world.walls for r, c in near):
-                    return (row, column - 1), (row, column - 2), (row, column)
+                    return (row, column - 1), (row, column - 2)
         return None
 
     @property

@@ -44,7 +44,8 @@ class Stated:
         around: the thing around which the cells are, "tool" or "object"; "" for all cells.
         within, beyond: the largest distance of a cell to that thing, and the largest that is too
             near; Manhattan.
-        placed: whether tool and object are put side by side (`Scene.side_by_side`).
+        placed: whether tool and object are put side by side (`Scene.side_by_side`), and only agent
+            cells from which the tool is in hand are looked at.
         value, tolerance: what is stated, and how far off still meets it; no value where `least`
             and `most` say it.
         least, most: bounds; both included.
