@@ -103,9 +103,12 @@ def test_changes_keep_one_room_and_lead_anywhere():
 def test_what_is_not_computed_again_has_not_changed(name):
     random, numbers = Random(2), load_stated(name).numbers
     here = weigh(random_map(load_stated(name), random), numbers)
+    assert here is not None
     for _ in range(12):
         world = neighbour(here.world, random)
         afresh, reused = weigh(world, numbers), weigh(world, numbers, before=here)
+        assert afresh is not None
+        assert reused is not None
         assert afresh.parts == reused.parts
         assert weigh(world, numbers, limit=afresh.energy + 1e-9) is not None
         assert weigh(world, numbers, limit=afresh.energy - 0.01) is None

@@ -54,7 +54,7 @@ class Scene:
         return average_empowerment(self.mdp, horizon, sensor)
 
     def landscape(
-        self, horizon: int, sensor: str, places: tuple[Cell, Cell] | None = None
+        self, horizon: int, sensor: str, places: tuple[Cell | None, Cell] | None = None
     ) -> Float64[np.ndarray, "rows columns"]:
         """Bits for every agent cell, tool and object at their cells of the map.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from habilis.worlds.tools import TOOLS
 from habilis.worlds.world import NO_TOOL
@@ -159,7 +159,7 @@ def parse_stated(text: str, name: str = "list") -> StatedMap:
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"{name}: not a TOML file ({error})") from error
     head, entries = data.get("map"), data.get("number")
-    if set(data) != {"map", "number"} or not isinstance(head, dict) or not _tables(entries):
+    if set(data) != {"map", "number"} or not isinstance(head, dict) or not _are_tables(entries):
         raise ValueError(
             f"{name}: has {', '.join(data) or 'nothing'}; give one [map], and a [[number]] for each"
         )
@@ -181,8 +181,8 @@ def parse_stated(text: str, name: str = "list") -> StatedMap:
     return StatedMap(name, **head, numbers=tuple(numbers))
 
 
-def _tables(entries: Any) -> bool:
-    return isinstance(entries, list) and entries and all(isinstance(e, dict) for e in entries)
+def _are_tables(entries: Any) -> TypeGuard[list[dict[str, Any]]]:
+    return isinstance(entries, list) and bool(entries) and all(isinstance(e, dict) for e in entries)
 
 
 def _stated(place: str, entry: dict[str, Any], head: dict[str, Any]) -> Stated:
