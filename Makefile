@@ -4,7 +4,7 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 SB3 := .venv-sb3
 
-.PHONY: test paper quick check format calibrate bench bench-sb3 clean
+.PHONY: test paper quick multiverse check format calibrate reconstruct bench bench-sb3 clean
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest
@@ -14,6 +14,10 @@ paper: $(INSTALLED)
 
 quick: $(INSTALLED)
 	$(BIN)/habilis reproduce --out paper-quick --quick
+
+# The second part of the report: docs/multiverse. Under an hour; goes on where it was stopped.
+multiverse: $(INSTALLED)
+	$(BIN)/python -m habilis.studies.multiverse --out docs/multiverse --work multiverse
 
 # Formatting, lint and types.
 check: $(INSTALLED)
@@ -28,6 +32,11 @@ format: $(INSTALLED)
 # Chooses the A2C settings of the paper's tables anew, on the vanilla rows alone. Half an hour.
 calibrate: $(INSTALLED)
 	$(BIN)/python -m habilis.studies.calibrate
+
+# Searches for the other maps in src/habilis/studies/data/maps anew. An hour.
+reconstruct: $(INSTALLED)
+	$(BIN)/habilis reconstruct yard --count 8 --out maps
+	$(BIN)/habilis reconstruct corridor --count 8 --from corridor --hot 0.3 --out maps
 
 bench: $(INSTALLED)
 	$(BIN)/habilis bench

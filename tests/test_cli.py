@@ -14,7 +14,7 @@ from habilis.empowerment.measures import world_landscape
 
 VERBS = (
     *("worlds", "solve", "empowerment", "landscape", "futures", "compare"),
-    *("train", "watch", "reproduce", "bench"),
+    *("train", "watch", "reproduce", "reconstruct", "bench"),
 )
 
 

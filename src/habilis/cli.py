@@ -264,6 +264,12 @@ def reproduce(args: Args) -> int:
     return 0
 
 
+def reconstruct(args: Args) -> int:
+    from habilis.studies.reconstruction.command import reconstruct as search
+
+    return search(args)
+
+
 def bench(args: Args) -> int:
     from habilis.benchmarks import run_benchmarks
 
@@ -301,6 +307,7 @@ _VERBS: dict[str, Verb] = {
         plot,
         sweep,
         reproduce,
+        reconstruct,
         bench,
     )
 }

@@ -172,6 +172,23 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
     v.add_argument("--quick", action="store_true", help="few runs and episodes, in 3 minutes")
 
+    v = verb(
+        "reconstruct",
+        "search for maps that meet stated numbers, since the paper's own cannot be had",
+        "habilis reconstruct corridor --count 6 --seed 0 --out maps",
+    )
+    stated = "corridor, yard, or a TOML file of stated numbers"
+    v.add_argument("stated", metavar="LIST", help=stated)
+    v.add_argument("--count", type=int, default=1, metavar="N", help="of maps (default 1)")
+    v.add_argument("--seed", type=int, default=0, help="of the search (default 0)")
+    v.add_argument("--out", type=Path, metavar="DIR", help="where to write the maps as text")
+    v.add_argument("--attempts", type=int, default=200, metavar="N", help="at most (default 200)")
+    changes = "at most in an attempt (default 2000)"
+    v.add_argument("--changes", type=int, default=2000, metavar="N", help=changes)
+    v.add_argument("--hot", type=float, default=1.0, metavar="T", help="temperature to begin at")
+    begin = "begin each attempt with this map (default: at random)"
+    v.add_argument("--from", dest="begin", metavar="WORLD", help=begin)
+
     v = verb("bench", "measure our speed beside the alternatives", "habilis bench empowerment")
     v.add_argument("what", nargs="*", metavar="WHAT", help="which benchmarks (default all)")
     return whole

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from habilis.studies import first_statements, second_statements
-from habilis.studies.numbers import Number, published_numbers
+from habilis.studies.numbers import published_numbers
 from habilis.studies.scenes import Scene, corridor
+from habilis.studies.stated import Stated
 from habilis.studies.statements import stated_relations
 from habilis.worlds.world import World, load_world
 
@@ -16,11 +17,12 @@ def test_every_published_number_agrees_to_its_digits(number):
 
 
 @pytest.mark.parametrize(
-    ("published", "ours", "agrees"),
-    [("0.6", 0.649, True), ("0.6", 0.651, False), ("15", 15, True), ("-10", -11.0, False)],
+    ("value", "tolerance", "found", "agrees"),
+    [(0.6, 0.05, 0.649, True), (0.6, 0.05, 0.651, False), (15, 0, 15, True), (-10, 0, -11, False)],
 )
-def test_agreement_is_to_the_published_digits(published, ours, agrees):
-    assert Number("", "", published, ours, "").agrees == agrees
+def test_agreement_is_to_the_published_digits(value, tolerance, found, agrees):
+    stated = Stated("average", "", value=value, tolerance=tolerance)
+    assert (stated.miss(found) == 0) == agrees
 
 
 # What does not hold on the reconstructed worlds, and is reported so.

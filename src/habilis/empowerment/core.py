@@ -258,13 +258,15 @@ def _neighbourhood(
     """
     reached = np.zeros(len(table), bool)
     reached[starts] = True
-    frontier = np.unique(starts)
+    frontier = np.flatnonzero(reached)
     for _ in range(horizon):
-        successors = np.unique(table[frontier])
-        frontier = successors[~reached[successors]]
+        after = np.zeros(len(table), bool)
+        after[table[frontier]] = True
+        after &= ~reached
+        frontier = np.flatnonzero(after)
         if not len(frontier):
             break
-        reached[frontier] = True
+        reached |= after
     near = np.flatnonzero(reached)
     place = np.full(len(table), -1, np.int32)
     place[near] = np.arange(len(near), dtype=np.int32)

@@ -1,6 +1,6 @@
 """The paper's two worlds, their tables, and the placements that its figures show."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -8,14 +8,14 @@ from jaxtyping import Float64, Int64
 
 from habilis.empowerment.measures import average_empowerment, landscape
 from habilis.mdp import TabularMDP
-from habilis.worlds.table import tabulate
+from habilis.worlds.table import restarted, tabulate
 from habilis.worlds.world import Cell, World, load_world
 
-# The paper's Figure 4 has tool and can side by side in the yard; where, is not known. Here an
-# agent with the tool between itself and the can has two free cells on every other side.
+# What `Scene.side_by_side` finds in the yard.
 BESIDE_TOOL: Cell = (2, 6)
 BESIDE_CAN: Cell = (2, 5)
 FAR_CAN: Cell = (7, 8)
+_SIDES = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
 @dataclass(frozen=True)
@@ -23,13 +23,27 @@ class Scene:
     """A world, and what is computed from it, each thing once."""
 
     world: World
+    _like: TabularMDP | None = field(default=None, compare=False, repr=False)
+    _tools: dict[str, "Scene"] = field(default_factory=dict, compare=False, repr=False)
+    _landscapes: dict[tuple, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
     def mdp(self) -> TabularMDP:
-        return tabulate(self.world)
+        return tabulate(self.world) if self._like is None else restarted(self._like, self.world)
 
     def with_tool(self, tool: str) -> "Scene":
-        return Scene(self.world.with_tool(tool))
+        if tool == self.world.tool:
+            return self
+        if tool not in self._tools:
+            self._tools[tool] = Scene(self.world.with_tool(tool))
+        return self._tools[tool]
+
+    def restarted(self, world: World) -> "Scene":
+        """The scene of a world with the same walls and tool cell, made of this one's tables."""
+        other = Scene(world, self.__dict__.get("mdp", self._like))
+        for tool, scene in self._tools.items():
+            other._tools[tool] = scene.restarted(world.with_tool(tool))
+        return other
 
     def placed(self, tool: Cell, object: Cell) -> "Scene":
         """The same map with tool and object lying elsewhere."""
@@ -39,11 +53,19 @@ class Scene:
         """See `measures.average_empowerment`."""
         return average_empowerment(self.mdp, horizon, sensor)
 
-    def landscape(self, horizon: int, sensor: str) -> Float64[np.ndarray, "rows columns"]:
-        """Bits for every agent cell, tool and object at their cells of the map."""
-        return landscape(
-            self.mdp, horizon, sensor, tool=self.world.tool_cell, object=self.world.object
-        )
+    def landscape(
+        self, horizon: int, sensor: str, places: tuple[Cell | None, Cell] | None = None
+    ) -> Float64[np.ndarray, "rows columns"]:
+        """Bits for every agent cell, tool and object at their cells of the map.
+
+        Or at other places, for the agent cells from which the tool is then in hand.
+        """
+        tool, thing = places or (self.world.tool_cell, self.world.object)
+        key = horizon, sensor, tool, thing
+        if key not in self._landscapes:
+            values = landscape(self.mdp, horizon, sensor, tool=tool, object=thing)
+            self._landscapes[key] = values
+        return self._landscapes[key].copy()
 
     def beside(self, horizon: int, sensor: str, cell: Cell) -> Float64[np.ndarray, "n"]:
         """The landscape's values in the cells around one."""
@@ -54,6 +76,21 @@ class Scene:
         """The Manhattan distance of every cell to one."""
         rows, columns = np.indices((self.world.height, self.world.width))
         return np.abs(rows - cell[0]) + np.abs(columns - cell[1])
+
+    @property
+    def side_by_side(self) -> tuple[Cell, Cell] | None:
+        """Cells of tool and object, side by side in the open; `None` if there are none.
+
+        The paper's Figure 4 has tool and object so; where, is not known. Here an agent with the
+        tool between itself and the object has two free cells on every side: the topmost, then
+        easternmost such place, in which the tool is to the west of the agent.
+        """
+        near = [(0, 0), *((d * k, e * k) for k in (1, 2) for d, e in _SIDES)]
+        for row in range(2, self.world.height - 2):
+            for column in reversed(range(2, self.world.width - 2)):
+                if not any((row + r, column + c) in self.world.walls for r, c in near):
+                    return (row, column - 1), (row, column - 2)
+        return None
 
     @property
     def tool_cell(self) -> Cell:

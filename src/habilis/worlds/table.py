@@ -99,7 +99,7 @@ def describe(
         del cells["tool"]
     return TabularMDP(
         transitions=next_state,
-        reward=-(~terminal[next_state]).astype(np.float32),
+        reward=_rewards(terminal, next_state),
         terminal=terminal,
         factors={name: grid.label(at).astype(np.int32) for name, at in cells.items()},
         flags={"equipped": equipped, "attached": attached},
@@ -107,6 +107,27 @@ def describe(
         shape=(world.height, world.width),
         actions=MOVES if rule is None else ACTIONS,
     )
+
+
+def restarted(mdp: TabularMDP, world: World) -> TabularMDP:
+    """The table of a world from that of another with the same walls, tool and place of the tool.
+
+    Only the goal, and where agent and object start, may be others.
+    """
+    terminal = mdp.factor("object") == mdp.label(world.goal)
+    cells = {"agent": world.agent, "object": world.object, "tool": world.tool_cell}
+    return replace(
+        mdp,
+        terminal=terminal,
+        reward=_rewards(terminal, mdp.next_state),
+        start=mdp.find(
+            **{name: cell for name, cell in cells.items() if name in mdp.factors and cell}
+        ),
+    )
+
+
+def _rewards(terminal: np.ndarray, next_state: np.ndarray) -> np.ndarray:
+    return -(~terminal[next_state]).astype(np.float32)
 
 
 def placement(world: World, mdp: TabularMDP, state: int) -> World:

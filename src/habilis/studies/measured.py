@@ -1,0 +1,46 @@
+"""A stated number, measured in a scene."""
+
+from math import inf, nan
+
+import numpy as np
+
+from habilis.studies.scenes import Scene
+from habilis.studies.stated import Stated
+from habilis.worlds.plans import solve
+
+
+def measured(scene: Scene, stated: Stated) -> float:
+    """The number that a statement is about, as it is in a scene; not rounded.
+
+    Returns:
+        Steps, a return, or bits. Infinitely many steps, and an infinitely low return, where the
+        goal is out of reach; NaN where the scene has no such cells.
+    """
+    scene = scene.with_tool(stated.tool) if stated.tool else scene
+    if stated.kind == "apart":
+        return float(scene.distance(scene.tool_cell)[scene.world.agent])
+    if stated.kind == "average":
+        return scene.average(stated.horizon, stated.sensor)
+    if stated.kind == "landscape":
+        return _of_landscape(scene, stated)
+    plan = solve(scene.mdp)
+    if stated.kind == "steps":
+        return inf if plan is None else plan.steps
+    return -inf if plan is None else plan.best_return
+
+
+def _of_landscape(scene: Scene, stated: Stated) -> float:
+    places = scene.side_by_side if stated.placed else (scene.world.tool_cell, scene.world.object)
+    if places is None:
+        return nan
+    values = scene.landscape(stated.horizon, stated.sensor, places)
+    if stated.around:
+        cell = places[0] if stated.around == "tool" else places[1]
+        assert cell is not None, "lists that speak of a tool without one are refused"
+        distance = scene.distance(cell)
+        values = values[(distance <= stated.within) & (distance > stated.beyond)]
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return nan
+    statistic = {"most": np.max, "least": np.min, "mean": np.mean}[stated.statistic]
+    return float(statistic(values))

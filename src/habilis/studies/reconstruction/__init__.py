@@ -1,0 +1,1 @@
+"""Searching for maps that meet a list of stated numbers."""

@@ -1,0 +1,72 @@
+"""Simulated annealing over walls and start cells (Kirkpatrick, Gelatt and Vecchi 1983)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import log
+from random import Random
+
+from habilis.studies.reconstruction.energy import Weighed, weigh
+from habilis.studies.reconstruction.moves import neighbour, random_map
+from habilis.studies.stated import StatedMap
+from habilis.worlds.world import World
+
+Show = Callable[[int, float], None]
+"""Told how many changes were tried, and the lowest energy so far."""
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """How long one attempt goes on, and how it cools.
+
+    Attributes:
+        changes: how many are tried at most.
+        hot, cold: temperatures at the beginning and at the end, in units of energy; in between
+            they fall by the same factor at each change.
+    """
+
+    changes: int = 2000
+    hot: float = 1.0
+    cold: float = 0.08
+
+    def temperature(self, change: int) -> float:
+        return self.hot * (self.cold / self.hot) ** (change / self.changes)
+
+
+def anneal(
+    stated: StatedMap,
+    random: Random,
+    schedule: Schedule,
+    show: Show,
+    begin: World | None = None,
+    wanted: Callable[[World], bool] = lambda world: True,
+) -> tuple[Weighed, bool]:
+    """One attempt.
+
+    A change that raises the energy by d is taken with probability exp(-d / temperature).
+
+    Args:
+        stated: what the map has to meet.
+        random: where all chance comes from.
+        schedule: how long to go on, and how to cool.
+        show: told how it goes.
+        begin: the map to begin with; by default one at random.
+        wanted: whether a map that meets everything is one to stop at.
+
+    Returns:
+        The first map that meets all numbers (energy 0) and is wanted, and True; or else the best
+        that was met, and False.
+    """
+    here = weigh(random_map(stated, random) if begin is None else begin, stated.numbers)
+    assert here is not None, "there was no limit"
+    best = here
+    for change in range(schedule.changes):
+        if here.energy == 0 and wanted(here.world):
+            return here, True
+        # Drawn before the energy is known, so that its computation can be cut short.
+        rise = -schedule.temperature(change) * log(1 - random.random())
+        there = weigh(neighbour(here.world, random), stated.numbers, here.energy + rise, here)
+        if there is not None:
+            here = there
+            best = min(best, here, key=lambda weighed: weighed.energy)
+        show(change + 1, best.energy)
+    return (here, True) if here.energy == 0 and wanted(here.world) else (best, False)

@@ -1,0 +1,137 @@
+"""The verb `habilis reconstruct`."""
+
+import json
+import sys
+import time
+from argparse import Namespace
+from dataclasses import replace
+from pathlib import Path
+
+from habilis.studies.numbers import Number
+from habilis.studies.reconstruction.annealing import Schedule
+from habilis.studies.reconstruction.search import Report, attempts
+from habilis.studies.scenes import Scene
+from habilis.studies.stated import StatedMap, load_stated
+from habilis.worlds.world import COMMENT, World, load_world, world_names
+
+
+def reconstruct(args: Namespace) -> int:
+    """Searches, shows each map beside what is stated, and writes it if asked to.
+
+    Returns:
+        The exit status: 0 if there are as many maps as asked for, 1 if not.
+    """
+    stated = load_stated(args.stated)
+    for name in ("count", "attempts", "changes"):
+        if getattr(args, name) < 1:
+            raise ValueError(f"--{name} is {getattr(args, name)}; give 1 or more")
+    if not args.hot > Schedule.cold:
+        raise ValueError(f"--hot is {args.hot:g}; give more than {Schedule.cold:g}")
+    known = [load_world(stated.name)] if stated.name in world_names() else []
+    begin = None if args.begin is None else _beginning(stated, args.begin)
+    schedule = Schedule(args.changes, args.hot)
+    if args.out is not None:
+        _make_room(args.out, stated, args.count)
+    maps: list[dict] = []
+    nearest, report, began = None, _reporter(), time.perf_counter()
+    for attempt in attempts(stated, args.seed, known, begin, schedule, report):
+        if nearest is None or attempt.best.energy < nearest.energy:
+            nearest = attempt.best
+        if attempt.found:
+            world = replace(attempt.best.world, name=f"{stated.name}-{len(maps) + 1:02}")
+            numbers = [Number.of(Scene(world), number) for number in stated.numbers]
+            maps.append(
+                {
+                    "name": world.name,
+                    "map": world.text().splitlines(),
+                    "attempt": attempt.number,
+                    "seconds": round(time.perf_counter() - began, 1),
+                    "numbers": {number.text: number.ours for number in numbers},
+                }
+            )
+            if args.out is not None:
+                _write(args, world, stated, attempt.number)
+            if not args.json:
+                _print(world, numbers)
+            began = time.perf_counter()
+        if len(maps) == args.count or attempt.number >= args.attempts:
+            break
+    report("")
+    if args.json:
+        print(json.dumps({"stated": stated.name, "seed": args.seed, "maps": maps}))
+    if len(maps) == args.count:
+        return 0
+    assert nearest is not None, "there was an attempt"
+    missed = [s.text for s, part in zip(stated.numbers, nearest.parts, strict=True) if part]
+    print(
+        f"habilis: {len(maps)} of {args.count} maps found in {args.attempts} attempts"
+        + (f"; the nearest other missed: {'; '.join(missed)}" if missed and not maps else "")
+        + "; give more --attempts or --changes, or state less",
+        file=sys.stderr,
+    )
+    return 1
+
+
+def _beginning(stated: StatedMap, name: str) -> World:
+    """The map to begin with, if changes can make of it what is sought."""
+    world = load_world(name)
+    if (world.height, world.width, world.tool) != (stated.height, stated.width, stated.tool):
+        raise ValueError(
+            f"{world.name}: is {world.height} x {world.width} with tool {world.tool}, but "
+            f"{stated.name} speaks of {stated.height} x {stated.width} with tool {stated.tool}; "
+            "begin with such a map, or at random"
+        )
+    return replace(world, name=stated.name)
+
+
+def _make_room(folder: Path, stated: StatedMap, count: int) -> None:
+    """Refuses a folder in which something would be overwritten, before anything is searched."""
+    taken = [path for n in range(1, count + 1) if (path := _path(folder, stated, n)).exists()]
+    if taken:
+        raise ValueError(f"{taken[0]}: exists; name another folder, or remove it")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"{folder}: cannot be made ({error.strerror}); name another") from error
+
+
+def _path(folder: Path, stated: StatedMap, number: int) -> Path:
+    return folder / f"{stated.name}-{number:02}.txt"
+
+
+def _write(args: Namespace, world: World, stated: StatedMap, attempt: int) -> None:
+    lines = (
+        f"Reconstructed, not the authors' map: attempt {attempt} of",
+        f"habilis reconstruct {stated.name} --seed {args.seed} --changes {args.changes} "
+        f"--hot {args.hot:g}" + (f" --from {args.begin}" if args.begin else ""),
+        f"Meets all {len(stated.numbers)} stated numbers of {stated.name}.toml.",
+    )
+    comments = "".join(f"{COMMENT} {line}\n" for line in lines)
+    (args.out / f"{world.name}.txt").write_text(comments + world.text(), "utf-8")
+
+
+def _print(world: World, numbers: list[Number]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("number", title=f"{world.name}\n{world.text()}", title_justify="left", box=None)
+    for name in ("stated", "found"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for number in numbers:
+        table.add_row(number.text, number.published, f"{number.ours:.4g} {number.unit}".strip())
+    Console(highlight=False).print(table)
+
+
+def _reporter() -> Report:
+    """Writes how it goes on one line of standard error, or every ten seconds on one of its own."""
+    terminal, last = sys.stderr.isatty(), [time.perf_counter()]
+
+    def report(line: str) -> None:
+        now = time.perf_counter()
+        if terminal:
+            print(f"\r{line:<78}", end="" if line else "\r", file=sys.stderr, flush=True)
+        elif line and now - last[0] > 10:
+            print(line, file=sys.stderr, flush=True)
+            last[0] = now
+
+    return report

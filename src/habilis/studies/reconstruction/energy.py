@@ -1,0 +1,96 @@
+"""How far a map is from meeting a list of stated numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, log1p
+
+from habilis.studies.measured import measured
+from habilis.studies.scenes import Scene
+from habilis.studies.stated import Stated
+from habilis.worlds.world import NO_TOOL, World
+
+_FAR = 1000.0  # in tolerances: a number that is not there at all
+_COST = {"apart": 0, "steps": 1, "return": 1, "landscape": 2, "average": 3}
+_THINGS = ("agent", "object", "goal", "tool_cell")
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A map and how far it is off.
+
+    Attributes:
+        scene: of the map.
+        parts: what each stated number adds; 0 where it is met.
+    """
+
+    scene: Scene
+    parts: tuple[float, ...]
+
+    @property
+    def world(self) -> World:
+        return self.scene.world
+
+    @property
+    def energy(self) -> float:
+        return sum(self.parts)
+
+
+def weigh(
+    world: World,
+    numbers: Sequence[Stated],
+    limit: float = float("inf"),
+    before: Weighed | None = None,
+) -> Weighed | None:
+    """The energy of a map: the sum over the stated numbers of log(1 + miss in tolerances).
+
+    The quickest numbers are computed first, and no more of them once the sum is above the limit.
+
+    Args:
+        world: the map.
+        numbers: what it has to meet.
+        limit: the largest energy that is of interest.
+        before: another map; what cannot have changed from it is not computed again.
+
+    Returns:
+        `None` above the limit.
+    """
+    scene = Scene(world)
+    parts: dict[int, float] = {}
+    if before is not None:
+        changed = {name for name in ("walls", *_THINGS) if _differ(world, before.world, name)}
+        parts = {i: before.parts[i] for i, s in enumerate(numbers) if not changed & looks_at(s)}
+        if not changed & {"walls", "tool_cell"}:
+            scene = before.scene.restarted(world)
+    total = sum(parts.values())
+    for i in sorted(set(range(len(numbers))) - set(parts), key=lambda i: _cost(numbers[i])):
+        if total > limit:
+            return None
+        parts[i] = _part(numbers[i], measured(scene, numbers[i]))
+        total += parts[i]
+    weighed = Weighed(scene, tuple(parts[i] for i in range(len(numbers))))
+    return weighed if weighed.energy <= limit else None
+
+
+def looks_at(stated: Stated) -> frozenset[str]:
+    """The fields of a world that a stated number depends on."""
+    if stated.kind == "apart":
+        return frozenset({"agent", "tool_cell"})
+    if stated.kind == "average" or stated.placed:
+        return frozenset({"walls"})
+    if stated.kind == "landscape":
+        return frozenset({"walls", "tool_cell", "object"})
+    return frozenset({"walls", *_THINGS} - ({"tool_cell"} if stated.tool == NO_TOOL else set()))
+
+
+def _differ(one: World, other: World, name: str) -> bool:
+    return getattr(one, name) != getattr(other, name)
+
+
+def _cost(stated: Stated) -> tuple[bool, bool, bool, int]:
+    return stated.kind != "apart", stated.tool != NO_TOOL, stated.placed, _COST[stated.kind]
+
+
+def _part(stated: Stated, number: float) -> float:
+    scale = stated.tolerance or (0.1 if stated.unit == "bits" else 1.0)
+    miss = stated.miss(number) / scale if isfinite(number) else _FAR
+    return log1p(min(miss, _FAR))

@@ -1,0 +1,249 @@
+"""Stated numbers: what is said of a map, as data that a file can hold."""
+
+import tomllib
+from dataclasses import dataclass
+from importlib.resources import files
+from math import inf
+from pathlib import Path
+from typing import Any, TypeGuard
+
+from habilis.worlds.tools import TOOLS
+from habilis.worlds.world import NO_TOOL
+
+KINDS = {
+    "steps": (),
+    "return": (),
+    "apart": (),
+    "average": ("sensor", "horizon"),
+    "landscape": ("sensor", "horizon", "statistic", "around", "within", "beyond", "placed"),
+}
+"""What can be stated, and with which words besides `tool` and what every number has."""
+_CHOICES = {
+    "kind": tuple(KINDS),
+    "tool": (*TOOLS, NO_TOOL),
+    "sensor": ("state", "agent", "tool", "object"),
+    "statistic": ("most", "least", "mean"),
+    "around": ("tool", "object"),
+}
+_COMMON = ("kind", "text", "section", "tool", "value", "tolerance", "least", "most")
+
+
+@dataclass(frozen=True)
+class Stated:
+    """One stated number.
+
+    Attributes:
+        kind: "steps" and "return" of a shortest plan; "apart", the Manhattan distance of agent
+            and tool at the start; "average" empowerment; or a "landscape", of which `statistic`
+            over some cells is meant.
+        text: what it is, in words.
+        section: where it is stated.
+        tool: the tool that takes the place of the map's own; "" for that.
+        sensor, horizon: of empowerments.
+        statistic: "most", "least" or "mean" over the cells of a landscape.
+        around: the thing around which the cells are, "tool" or "object"; "" for all cells.
+        within, beyond: the largest distance of a cell to that thing, and the largest that is too
+            near; Manhattan.
+        placed: whether tool and object are put side by side (`Scene.side_by_side`), and only agent
+            cells from which the tool is in hand are looked at.
+        value, tolerance: what is stated, and how far off still meets it; no value where `least`
+            and `most` say it.
+        least, most: bounds; both included.
+    """
+
+    kind: str
+    text: str
+    section: str = ""
+    tool: str = ""
+    sensor: str = "object"
+    horizon: int = 0
+    statistic: str = "most"
+    around: str = ""
+    within: float = inf
+    beyond: int = -1
+    placed: bool = False
+    value: float | None = None
+    tolerance: float = 0.0
+    least: float = -inf
+    most: float = inf
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The least and the largest number that meets it."""
+        if self.value is None:
+            return self.least, self.most
+        return self.value - self.tolerance, self.value + self.tolerance
+
+    @property
+    def published(self) -> str:
+        """The bounds as text: the value, or at least and at most what."""
+        if self.value is not None:
+            return f"{self.value:g}"
+        low, high = self.bounds
+        if low == high:
+            return f"{low:g}"
+        words = [f"{sign} {bound:g}" for sign, bound in ((">=", low), ("<=", high))]
+        return ", ".join(word for word in words if "inf" not in word)
+
+    @property
+    def unit(self) -> str:
+        return {"steps": "steps", "apart": "steps", "return": ""}.get(self.kind, "bits")
+
+    def miss(self, number: float) -> float:
+        """How far a number is outside the bounds; 0 if it meets them."""
+        low, high = self.bounds
+        slack = 1e-9  # of the tolerance's own rounding
+        return 0.0 if low - slack <= number <= high + slack else max(low - number, number - high)
+
+
+@dataclass(frozen=True)
+class StatedMap:
+    """What is stated about one map.
+
+    Attributes:
+        name: what maps that meet it are called.
+        height, width: of the map.
+        tool: the map's own tool.
+        walls: about how many cells are walls where a search begins.
+        numbers: what it has to meet.
+    """
+
+    name: str
+    height: int
+    width: int
+    tool: str
+    walls: int
+    numbers: tuple[Stated, ...]
+
+
+def stated_names() -> list[str]:
+    """The names of the lists that come with the package."""
+    return sorted(file.name.removesuffix(".toml") for file in _folder().iterdir())
+
+
+def load_stated(name: str | Path) -> StatedMap:
+    """A list of stated numbers, by its name or from a TOML file.
+
+    Args:
+        name: "corridor", "yard", or the path of a file laid out as theirs.
+
+    Raises:
+        ValueError: no such list, or one that cannot be read; the message names the entry and the
+            mend.
+
+    Example:
+        >>> load_stated("corridor").numbers[0].value
+        15
+    """
+    if str(name) in stated_names():
+        return parse_stated((_folder() / f"{name}.toml").read_text("utf-8"), str(name))
+    path = Path(name)
+    try:
+        return parse_stated(path.read_text("utf-8"), path.stem)
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not text"
+        raise ValueError(
+            f"{str(name)!r}: no such list of stated numbers ({reason}); name one of "
+            f"{', '.join(stated_names())}, or the path of a TOML file"
+        ) from error
+
+
+def parse_stated(text: str, name: str = "list") -> StatedMap:
+    """Reads a list of stated numbers: `[map]`, and `[[number]]` for each.
+
+    Raises:
+        ValueError: it is no TOML, or has an entry that cannot be.
+    """
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{name}: not a TOML file ({error})") from error
+    head, entries = data.get("map"), data.get("number")
+    if set(data) != {"map", "number"} or not isinstance(head, dict) or not _are_tables(entries):
+        raise ValueError(
+            f"{name}: has {', '.join(data) or 'nothing'}; give one [map], and a [[number]] for each"
+        )
+    sizes = ("height", "width", "walls")
+    if set(head) != {*sizes, "tool"} or any(_bad(int, head[size]) for size in sizes):
+        raise ValueError(
+            f"{name}: [map] needs height, width and walls (whole numbers), and tool, no more"
+        )
+    _check_choice(f"{name}, [map]", "tool", head["tool"])
+    most = head["height"] * head["width"] - 4
+    if min(head["height"], head["width"]) < 1 or not 0 <= head["walls"] <= most:
+        raise ValueError(
+            f"{name}: {head['walls']} walls on {head['height']} x {head['width']} cells leave no "
+            f"room; give 0 to {max(most, 0)}, or a larger map"
+        )
+    numbers = [
+        _stated(f"{name}, number {i}", entry, head) for i, entry in enumerate(entries, start=1)
+    ]
+    return StatedMap(name, **head, numbers=tuple(numbers))
+
+
+def _are_tables(entries: Any) -> TypeGuard[list[dict[str, Any]]]:
+    return isinstance(entries, list) and bool(entries) and all(isinstance(e, dict) for e in entries)
+
+
+def _stated(place: str, entry: dict[str, Any], head: dict[str, Any]) -> Stated:
+    _check_choice(place, "kind", entry.get("kind"))
+    kind = entry["kind"]
+    known = (*_COMMON, *KINDS[kind])
+    for word, value in entry.items():
+        if word not in known:
+            raise ValueError(f"{place}: {word!r} says nothing of {kind}; use {', '.join(known)}")
+        if word in _CHOICES:
+            _check_choice(place, word, value)
+        elif _bad(_TYPES[word], value):
+            raise ValueError(f"{place}: {word} is {value!r}; give a {_WANTED[_TYPES[word]]}")
+    for word in ("text", *(word for word in ("sensor", "horizon") if word in known)):
+        if word not in entry:
+            raise ValueError(f"{place}: has no {word}; give one")
+    stated = Stated(**entry)
+    low, high = stated.bounds
+    bounded = stated.least > -inf or stated.most < inf
+    if bounded == (stated.value is not None) or low > high or stated.tolerance < 0:
+        raise ValueError(
+            f"{place}: give a value with a tolerance from 0 up, or else least or most, "
+            "the least not above the most"
+        )
+    tool = stated.tool or head["tool"]
+    if tool == NO_TOOL and (
+        kind == "apart" or stated.placed or "tool" in (stated.sensor, stated.around)
+    ):
+        raise ValueError(f"{place}: speaks of a tool, but there is none; name one as tool")
+    if stated.tool not in ("", NO_TOOL) and head["tool"] == NO_TOOL:
+        raise ValueError(f"{place}: the map has no place for a {stated.tool}; give [map] a tool")
+    if stated.horizon < 0:
+        raise ValueError(f"{place}: horizon is {stated.horizon}; give 0 or more")
+    return stated
+
+
+def _check_choice(place: str, word: str, value: Any) -> None:
+    if value not in _CHOICES[word]:
+        raise ValueError(f"{place}: {word} is {value!r}; use one of {', '.join(_CHOICES[word])}")
+
+
+def _bad(kind: type, value: Any) -> bool:
+    if kind is float:
+        return not isinstance(value, int | float) or isinstance(value, bool) or value != value
+    return not isinstance(value, kind) or (kind is int and isinstance(value, bool))
+
+
+_TYPES: dict[str, type] = {
+    "text": str,
+    "section": str,
+    "horizon": int,
+    "within": int,
+    "beyond": int,
+    "placed": bool,
+    "value": float,
+    "tolerance": float,
+    "least": float,
+    "most": float,
+}
+_WANTED = {str: "text", int: "whole number", bool: "true or false", float: "number"}
+
+
+def _folder():
+    return files("habilis.studies") / "data" / "stated"

@@ -1,0 +1,104 @@
+"""Lists of stated numbers: what they hold, and how they are refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from habilis.empowerment.measures import world_landscape
+from habilis.studies.measured import measured
+from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, Scene, yard
+from habilis.studies.stated import Stated, load_stated, parse_stated, stated_names
+from habilis.worlds.world import World, load_world
+
+HEAD = '[map]\nheight = 5\nwidth = 5\ntool = "picker"\nwalls = 3\n'
+STEPS = '[[number]]\nkind = "steps"\ntext = "steps"\nvalue = 6\n'
+
+
+@pytest.mark.parametrize("name", stated_names())
+def test_the_built_in_world_meets_every_number_of_its_list(name):
+    scene = Scene(load_world(name))
+    for stated in load_stated(name).numbers:
+        assert stated.miss(measured(scene, stated)) == 0, stated.text
+
+
+@pytest.mark.parametrize("name", stated_names())
+def test_no_number_is_met_by_everything(name):
+    """On a bare room with the tool at hand each list misses much, and each number can be missed."""
+    for stated in load_stated(name).numbers:
+        low, high = stated.bounds
+        assert stated.miss(low - 0.01) > 0 or stated.miss(high + 0.01) > 0
+        assert stated.miss(float("nan")) != 0
+    room = Scene(World.parse("A....\n.C...\n.G...\n.....\n....P\n", "room"))
+    missed = [s for s in load_stated(name).numbers if s.miss(measured(room, s)) != 0]
+    assert len(missed) > len(load_stated(name).numbers) / 2
+
+
+def test_a_narrower_tolerance_is_missed():
+    broom = next(s for s in load_stated("yard").numbers if s.value == 0.28)
+    found = measured(yard(), broom)
+    assert broom.miss(found) == 0 < replace(broom, tolerance=0.001).miss(found)
+    assert replace(broom, value=0.29).miss(found) == pytest.approx(0.285 - found)
+
+
+def test_kinds_are_what_they_say():
+    scene = Scene(World.parse("AP.C.G\n......\n......\n"))
+    assert measured(scene, Stated("steps", "")) == 1 - measured(scene, Stated("return", ""))
+    assert measured(scene, Stated("apart", "")) == 1
+    values = world_landscape(scene.world, 2, "object")
+    near = Stated("landscape", "", horizon=2, around="object", within=1)
+    assert measured(scene, near) == np.nanmax([values[0, 2], values[0, 4], values[1, 3]])
+    far = replace(near, within=float("inf"), beyond=1, statistic="mean")
+    rest = values.copy()
+    rest[[0, 0, 1], [2, 4, 3]] = np.nan
+    assert measured(scene, far) == pytest.approx(np.nanmean(rest))
+    assert np.isnan(measured(scene, replace(far, beyond=10)))
+
+
+def test_a_goal_out_of_reach_is_infinitely_far():
+    scene = Scene(World.parse("AC#G"))
+    assert measured(scene, Stated("steps", "")) == float("inf")
+    assert Stated("steps", "", least=16, most=60).miss(float("inf")) > 0
+    assert measured(scene, Stated("return", "")) == -float("inf")
+
+
+def test_side_by_side_is_in_the_open():
+    assert yard().side_by_side == (BESIDE_TOOL, BESIDE_CAN)
+    assert Scene(World.parse("AP.CG")).side_by_side is None
+    placed = Stated("landscape", "", horizon=1, placed=True, around="tool", within=1)
+    assert np.isnan(measured(Scene(World.parse("AP.CG")), placed))
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("number = 3", "has number; give one [map]"),
+        ("[[", "not a TOML file"),
+        (HEAD, "has map; give one [map]"),
+        (HEAD.replace("5", "0") + STEPS, "no room"),
+        (HEAD.replace("walls = 3", "walls = 22") + STEPS, "22 walls"),
+        (HEAD.replace("walls = 3", "walls = true") + STEPS, "[map] needs"),
+        (HEAD.replace("picker", "spoon") + STEPS, "'spoon'; use one of picker, broom, none"),
+        (HEAD + STEPS.replace("steps", "hops", 1), "number 1: kind is 'hops'; use one of steps"),
+        (HEAD + STEPS + STEPS + "horizon = 3", "number 2: 'horizon' says nothing of steps"),
+        (HEAD + STEPS.replace("6", '"six"'), "number 1: value is 'six'; give a number"),
+        (HEAD + STEPS.replace("value = 6", ""), "give a value with a tolerance"),
+        (HEAD + STEPS.replace("value = 6", "least = 3\nmost = 2"), "least not above the most"),
+        (HEAD + STEPS + "most = 7", "or else least or most"),
+        (HEAD + STEPS + "tolerance = -1", "tolerance from 0 up"),
+        (HEAD + STEPS.replace('"steps"', '"average"', 1), "has no sensor"),
+        (HEAD + STEPS.replace('text = "steps"', ""), "has no text"),
+        (HEAD.replace("picker", "none") + STEPS.replace("steps", "apart"), "there is none"),
+        (HEAD.replace("picker", "none") + STEPS + 'tool = "broom"', "no place for a broom"),
+    ],
+)
+def test_a_list_that_cannot_be_is_refused_in_one_line(text, names):
+    with pytest.raises(ValueError, match="list") as refusal:
+        parse_stated(text)
+    assert names in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_unknown_list_is_refused():
+    with pytest.raises(ValueError, match="name one of corridor, yard"):
+        load_stated("nowhere.toml")
