@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import learn, row
+from probes import QUICK_A2C, learn, row
 
 from habilis.learning.a2c import actor_critic_loss
 from habilis.learning.actor_critic import Learner, descended, direction
@@ -18,19 +18,7 @@ from habilis.learning.networks import Network
 from habilis.learning.rollout import Context
 from habilis.mdp import TabularMDP
 
-QUICK = Config(
-    algorithm=A2C(
-        envs=8,
-        rollout=4,
-        learning_rate=5e-3,
-        optimizer="rmsprop",
-        reward_scale=1.0,
-        entropy=0.001,
-        discount=0.5,
-        hidden=(16,),
-    ),
-    seed=3,
-)
+QUICK = Config(algorithm=QUICK_A2C, seed=3)
 BONUS = {"intrinsic": "state", "beta": 1.0}
 
 

@@ -1,25 +1,15 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from probes import learn, row
+from probes import QUICK_A2C, learn, row
 
 from habilis.learning import intrinsic
-from habilis.learning.algorithms import A2C, QLearning
+from habilis.learning.algorithms import QLearning
 from habilis.learning.config import Config
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
-A2C_QUICK = A2C(
-    envs=8,
-    rollout=4,
-    learning_rate=5e-3,
-    optimizer="rmsprop",
-    reward_scale=1.0,
-    entropy=0.001,
-    discount=0.5,
-    hidden=(16,),
-)
-BONUS = Config(algorithm=A2C_QUICK, intrinsic="state", beta=1.0, seed=3)
+BONUS = Config(algorithm=QUICK_A2C, intrinsic="state", beta=1.0, seed=3)
 # To the left or to the right, both then to the end.
 FORK = TabularMDP.deterministic([[1, 2], [3, 3], [3, 3], [3, 3]], terminal=[0, 0, 0, 1])
 RIGHT = [0.0, 0.0, 1.0, 0.0]
@@ -80,7 +70,7 @@ def test_a_potential_changes_values_and_not_what_is_best():
 
 
 def test_counts_are_visits_and_novelty_wears_off():
-    config = Config(algorithm=A2C_QUICK, intrinsic="count", beta=1.0)
+    config = Config(algorithm=QUICK_A2C, intrinsic="count", beta=1.0)
     found = learn(row(3, 2, np.zeros((3, 2))), config, updates=50)
     counts = found.lane.novelty
     assert counts.sum() == 50 * 8 * 4
@@ -95,7 +85,7 @@ def test_counts_are_visits_and_novelty_wears_off():
 
 
 def test_what_is_seen_often_is_distilled_and_what_is_not_stays_new():
-    config = Config(algorithm=A2C_QUICK, intrinsic="rnd", beta=1.0)
+    config = Config(algorithm=QUICK_A2C, intrinsic="rnd", beta=1.0)
     # Action 0 stays in the seen half: the far state is never entered.
     mdp = TabularMDP.deterministic([[1], [0], [2]])
     found = learn(mdp, config, updates=3000)
