@@ -1,13 +1,13 @@
 """The search for maps that meet stated numbers, and the maps that it found."""
 
 import json
-from importlib.resources import files
 from itertools import combinations, islice
 from random import Random
 
 import pytest
 
 from habilis.cli import main
+from habilis.studies.maps import other_maps
 from habilis.studies.measured import measured
 from habilis.studies.reconstruction.annealing import Schedule
 from habilis.studies.reconstruction.energy import weigh
@@ -39,34 +39,25 @@ value = 0.4
 tolerance = 0.05
 """
 
-MAPS = {
-    path.name.removesuffix(".txt"): World.parse(path.read_text("utf-8"), path.name)
-    for path in sorted(
-        (files("habilis.studies") / "data" / "maps").iterdir(), key=lambda path: path.name
-    )
-}
-
-
-def of(experiment):
-    return {name: world for name, world in MAPS.items() if name.startswith(experiment)}
+MAPS = [world for name in stated_names() for world in other_maps(name)]
 
 
 @pytest.mark.parametrize("experiment", stated_names())
 def test_there_are_at_least_six_other_maps(experiment):
-    assert len(of(experiment)) >= 6
+    assert len(other_maps(experiment)) >= 6
 
 
-@pytest.mark.parametrize("name", MAPS)
-def test_a_map_found_meets_every_stated_number(name):
-    scene = Scene(MAPS[name])
-    for stated in load_stated(name.partition("-")[0]).numbers:
+@pytest.mark.parametrize("world", MAPS, ids=lambda world: world.name)
+def test_a_map_found_meets_every_stated_number(world):
+    scene = Scene(world)
+    for stated in load_stated(world.name.partition("-")[0]).numbers:
         found = measured(scene, stated)
         assert stated.miss(found) == 0, f"{stated.text}: {stated.published}, found {found}"
 
 
 @pytest.mark.parametrize("experiment", stated_names())
 def test_the_maps_differ_from_the_built_in_one_and_from_each_other(experiment):
-    maps = [load_world(experiment), *of(experiment).values()]
+    maps = [load_world(experiment), *other_maps(experiment)]
     for one, other in combinations(maps, 2):
         assert difference(one, other) >= LEAST_DIFFERENCE, f"{one.name}, {other.name}"
 
