@@ -9,10 +9,10 @@ from habilis.empowerment.measures import average_empowerment
 from habilis.studies.multiverse import claims
 from habilis.studies.multiverse.optimum import return_of_the_best_policy
 from habilis.studies.multiverse.report import settings_count, write_study
-from habilis.studies.multiverse.settings import BETAS, HORIZONS, WORLDS, agents, other_maps
+from habilis.studies.multiverse.settings import BETAS, HORIZONS, WORLDS, agents, all_maps
 from habilis.studies.multiverse.study import Study, joined
 
-EVERYONE = agents(other_maps())
+EVERYONE = agents(all_maps())
 
 
 def results_of(everyone, episodes, converged=lambda agent: True):
@@ -103,7 +103,7 @@ def test_the_choice_that_decides_explains_all():
 
 
 def test_the_pickers_average_toe_is_the_larger_one_on_every_map():
-    for name, path in other_maps().items():
+    for name, path in all_maps().items():
         if name.startswith("yard"):
             picker, broom = (hb.tabulate(hb.load_world(str(path), t)) for t in ("picker", "broom"))
             for horizon in HORIZONS:

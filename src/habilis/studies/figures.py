@@ -7,7 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from habilis.learning.runs import Run
-from habilis.studies.curves import Curves, attached_share, equipped_share, mean_curve, returns
+from habilis.studies.curves import (
+    SMOOTHING,
+    Curves,
+    attached_share,
+    equipped_share,
+    mean_curve,
+    returns,
+)
 from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, corridor, yard
 from habilis.studies.tables import Result
 from habilis.worlds.pictures import draw_world, landscape_figure
@@ -99,8 +106,10 @@ def returns_figure(results: Sequence[Result]) -> Figure:
 def _curves(ax: Axes, results: Sequence[Result], share: Callable[[Run], Curves]) -> None:
     for result, colour in zip(results, COLOURS, strict=False):
         values = mean_curve(share(result.run))
-        ax.plot(np.arange(len(values)) + 1, values, color=colour, label=result.row.label, lw=1.4)
-    ax.set_xlabel("episode (moving average over 100)")
+        episodes = np.arange(len(values)) + SMOOTHING
+        ax.plot(episodes, values, color=colour, label=result.row.label, lw=1.4)
+    # Agents may differ tenfold in how long they take.
+    ax.set(xlabel="episode (moving average over 100)", xscale="log")
     ax.spines[["top", "right"]].set_visible(False)
 
 

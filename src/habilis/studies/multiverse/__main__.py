@@ -6,7 +6,7 @@ from pathlib import Path
 
 from habilis.learning.interruption import Interrupted
 from habilis.studies.multiverse.report import write_study
-from habilis.studies.multiverse.settings import agents, other_maps
+from habilis.studies.multiverse.settings import agents, all_maps
 from habilis.studies.multiverse.study import Study, joined
 from habilis.sweeps.command import progress_bar
 from habilis.sweeps.sweep import sweep
@@ -17,7 +17,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, required=True, help="where the page and data go")
     parser.add_argument("--work", type=Path, required=True, help="where finished runs are kept")
     args = parser.parse_args()
-    everyone = agents(other_maps())
+    everyone = agents(all_maps())
     try:
         with progress_bar() as on_progress:
             results = sweep(

@@ -159,7 +159,7 @@ def _agent(
     return Agent(part, learner, world, tool, reward, horizon, beta, how, config)
 
 
-def other_maps() -> dict[str, Path]:
+def all_maps() -> dict[str, Path]:
     """The built-in worlds and all reconstructions that are checked in, by name."""
     found = {path.stem: path for path in sorted(MAPS.glob("*.txt"))}
     return {world: BUILTIN / f"{world}.txt" for world, *_ in WORLDS} | found
