@@ -21,7 +21,7 @@ def room(tmp_path):
     path = tmp_path / "room.txt"
     path.write_text(ROOM)
     return Config(
-        algorithm=A2C(learning_rate=5e-3, hidden=(16,)),
+        algorithm=A2C(learning_rate=2e-3, optimizer="rmsprop", reward_scale=1.0, hidden=(16,)),
         world=str(path),
         runs=1,
         episodes=2_500,

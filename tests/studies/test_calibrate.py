@@ -4,12 +4,16 @@ import polars as pl
 import pytest
 
 from habilis.studies import calibrate
-from habilis.studies.calibrate import FIXED, scores, settings_grid, vanilla_configs
+from habilis.studies.calibrate import frozen, scores, settings_grid, vanilla_configs
 from habilis.studies.settings import frozen_settings
 
 
 def test_the_frozen_settings_are_those_that_came_first():
-    assert frozen_settings() == FIXED | scores("confirm")[0].setting
+    assert frozen_settings() == frozen(scores("confirm")[0])
+
+
+def test_no_vanilla_run_was_there_to_see_entropy_fall():
+    assert frozen_settings()["entropy_hold"] > scores("confirm")[0].slowest
 
 
 def test_the_frozen_settings_converged_in_every_vanilla_run():

@@ -153,7 +153,7 @@ def test_more_points_and_runs_are_added_to_what_is_there(config, tmp_path):
         trained.extend(tasks)
         run_tasks(tasks, done, stopped)
 
-    more = [config, config.changed(learning_rate=1e-3)]
+    more = [config, config.changed(learning_rate=3e-3)]
     frame = sweep(more, folder, resume=True, executor=counting)
     assert len(trained) == 3
     assert frame.height == 14
@@ -203,7 +203,7 @@ def test_a_folder_of_something_else_is_refused(config, tmp_path, spec, capsys):
 
 
 def test_a_task_whose_process_is_killed_is_run_again(config, tmp_path):
-    configs = [config, config.changed(learning_rate=1e-3)]
+    configs = [config, config.changed(learning_rate=3e-3)]
     killed = []
 
     def kill_one(done: int, _total: int) -> None:

@@ -24,7 +24,7 @@ def test_a_name_stands_for_settings_map_and_runs(config, room, tmp_path):
     first, second = tasks_of(config)
     assert first.name != second.name
     assert tasks_of(config.changed(runs=12))[0].name == first.name
-    assert tasks_of(config.changed(learning_rate=1e-3))[0].name != first.name
+    assert tasks_of(config.changed(learning_rate=3e-3))[0].name != first.name
     whole = config.changed(intrinsic="object", beta=1, horizon=1)
     assert tasks_of(whole)[0].name == tasks_of(whole.changed(beta=1.0))[0].name
     before = room.read_text()

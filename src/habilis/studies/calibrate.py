@@ -155,6 +155,13 @@ def _results(stage: str) -> list[tuple[dict, pl.DataFrame]]:
     return [(setting, rows) for setting, rows in found if setting in grid]
 
 
+def frozen(best: Score) -> dict:
+    """The settings of the tables: as they were confirmed, until entropy begins to fall."""
+    hold = 2 * best.slowest
+    falling = {"entropy_hold": hold, "entropy_steps": hold, "entropy_end": 0.0}
+    return FIXED | best.setting | falling
+
+
 def main() -> None:
     run_stage("screen", SCREEN, settings_grid())
     ranked = [score.setting for score in scores("screen") if score.converged]
@@ -169,10 +176,7 @@ def main() -> None:
         f"# {'All' if best.converged else 'Not all'} of their {runs} runs converged, a row's "
         f"slowest after {best.steps:,.0f} environment steps (geometric mean).",
     ]
-    hold = 2 * best.slowest
-    settings = FIXED | best.setting
-    settings |= {"entropy_hold": hold, "entropy_steps": hold, "entropy_end": 0.0}
-    lines += [f"{k} = {v!r}".replace("'", '"') for k, v in settings.items()]
+    lines += [f"{k} = {v!r}".replace("'", '"') for k, v in frozen(best).items()]
     SETTINGS.write_text("\n".join(lines) + "\n")
 
 
