@@ -21,6 +21,8 @@ QUICK_A2C = A2C(
     optimizer="rmsprop",
     reward_scale=1.0,
     entropy=0.001,
+    entropy_hold=0,
+    entropy_steps=0,
     discount=0.5,
     hidden=(16,),
 )
