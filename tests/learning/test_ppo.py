@@ -63,7 +63,7 @@ def test_the_loss_is_the_formula_by_hand():
 
 @pytest.mark.parametrize(
     "change",
-    [{"clip_range": 0.01}, {"epochs": 3}, {"minibatches": 4}, {"normalise": False}],
+    [{"clip_range": 0.01}, {"epochs": 3}, {"minibatches": 4}, {"normalise": True}],
     ids=str,
 )
 def test_every_setting_changes_what_is_learned(change):

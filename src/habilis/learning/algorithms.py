@@ -62,8 +62,8 @@ class A2C:
 class PPO:
     """Proximal policy optimisation with a clipped objective (Schulman et al. 2017)."""
 
-    envs: int = setting(8, _ENVS, static=True)
-    rollout: int = setting(64, _ROLLOUT, static=True)
+    envs: int = setting(16, _ENVS, static=True)
+    rollout: int = setting(32, _ROLLOUT, static=True)
     epochs: int = setting(4, "passes over what a rollout gave", static=True)
     minibatches: int = setting(4, "parts of it, with a gradient step each", static=True)
     learning_rate: float = setting(1e-3, _RATE)
@@ -77,7 +77,7 @@ class PPO:
     value: float = setting(0.5, _VALUE)
     discount: float = setting(0.99, _DISCOUNT)
     gae_lambda: float = setting(0.95, _LAMBDA)
-    normalise: bool = setting(True, _NORMALISE, static=True)
+    normalise: bool = setting(False, _NORMALISE, static=True)
     reward_scale: float = setting(0.1, _SCALE)
     hidden: tuple[int, ...] = setting((64, 64), _HIDDEN, static=True)
 
@@ -98,10 +98,10 @@ class QLearning:
 
     envs: int = setting(16, _ENVS, static=True)
     rollout: int = setting(5, _ROLLOUT, static=True)
-    learning_rate: float = setting(0.1, "share of the error by which a value changes")
-    epsilon: float = setting(0.2, "probability of an action at random")
-    epsilon_end: float = setting(0.01, "that probability after epsilon_steps")
-    epsilon_steps: int = setting(2_000_000, "environment steps over which it changes; 0: it stays")
+    learning_rate: float = setting(0.5, "share of the error by which a value changes")
+    epsilon: float = setting(0.1, "probability of an action at random")
+    epsilon_end: float = setting(0.002, "that probability after epsilon_steps")
+    epsilon_steps: int = setting(200_000, "environment steps over which it changes; 0: it stays")
     discount: float = setting(0.99, _DISCOUNT)
     reward_scale: float = setting(1.0, _SCALE)
 
