@@ -35,7 +35,7 @@ calibrate: $(INSTALLED)
 
 # Searches for the other maps in src/habilis/studies/data/maps anew. An hour.
 reconstruct: $(INSTALLED)
-	$(BIN)/habilis reconstruct yard --count 8 --out maps
+	$(BIN)/habilis reconstruct yard --count 6 --out maps
 	$(BIN)/habilis reconstruct corridor --count 8 --from corridor --hot 0.3 --out maps
 
 bench: $(INSTALLED)
