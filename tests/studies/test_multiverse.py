@@ -26,7 +26,7 @@ def results_of(everyone, episodes, converged=lambda agent: True):
             "steps_had": 20 * (episodes(agent) + run),
             "best_return": -14.0,
             "final_return": -14.5,
-            "curve": [-100.0, -20.0, -15.0],
+            "curve": [-100.0] * (episodes(agent) // 100 + run) + [-20.0, -15.0],
         }
         for point, agent in enumerate(everyone)
         for run in range(10)
@@ -86,8 +86,17 @@ def test_a_run_that_was_given_up_comes_after_all_others():
     told = claims.multiverse(runs.filter(part="multiverse")).filter(
         claim="TOE before vanilla (corridor, picker)"
     )
-    assert (told["superiority"] == 0).all()
-    assert (told["outcome"] == "opposite").all()
+    converging = told.filter(pl.col("measure") != "first success")
+    assert (converging["superiority"] == 0).all()
+    assert (converging["outcome"] == "opposite").all()
+    assert (told.filter(measure="first success")["superiority"] == 0.5).all()
+
+
+def test_first_success_is_when_the_curve_comes_up_to_twice_the_best_ones_cost():
+    runs = pl.DataFrame(
+        {"curve": [[-90.0, -28.5, -28.0, -40.0], [-90.0, -30.0]], "best_return": [-14.0, -14.0]}
+    )
+    assert claims.counts(runs, "first success").tolist() == [300, np.inf]
 
 
 def test_the_choice_that_decides_explains_all():
@@ -95,7 +104,8 @@ def test_the_choice_that_decides_explains_all():
         return 5_000 - 100 * (agent.reward == "TOE") * (1 if agent.beta > 0.1 else -1)
 
     runs = joined(EVERYONE, results_of(EVERYONE, episodes))
-    told = claims.explained(claims.multiverse(runs.filter(part="multiverse")))
+    verdicts = claims.multiverse(runs.filter(part="multiverse"))
+    told = claims.explained(verdicts.filter(measure="episodes"))
     row = told.filter(claim="TOE before vanilla (yard, picker)").row(0, named=True)
     assert row["beta"] == pytest.approx(1)
     assert row["horizon"] == pytest.approx(0)
@@ -132,7 +142,7 @@ def test_a_bonus_worth_more_than_a_step_keeps_the_agent_from_ending():
 def test_the_page_has_every_table_and_picture_and_loads_nothing(study, tmp_path):
     write_study(study, tmp_path)
     text = (tmp_path / "report.html").read_text()
-    assert text.count("<svg") == 7
+    assert text.count("<svg") == 10
     assert "src=" not in text
     assert f"A multiverse of {settings_count(study)} settings" in text
     for claim in claims.CLAIMS:

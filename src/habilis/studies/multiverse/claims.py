@@ -8,9 +8,11 @@ import polars as pl
 from jaxtyping import Float
 
 from habilis.studies.tables import Outcome, mann_whitney
+from habilis.sweeps.tasks import BLOCK
 
-MEASURES = ("episodes", "steps")
-"""What is counted until convergence: episodes, as in the paper, or environment steps."""
+MEASURES = ("episodes", "steps", "first success")
+"""What is counted: episodes to convergence, as in the paper; environment steps to convergence; or
+episodes until a hundred of them first average at most twice the cost of the best one."""
 
 KEYS = ("part", "learner", "map", "tool", "reward", "horizon", "beta", "how")
 """What names an agent in the results."""
@@ -72,7 +74,7 @@ class Verdict:
     Attributes:
         superiority: how often a run of the agent that should come first did (ties count half).
         p: two-sided, Mann and Whitney's; runs that were given up took longer than all others.
-        sooner_converged, later_converged: how many of the runs did.
+        sooner_converged, later_converged: how many of the runs came so far at all.
     """
 
     superiority: float
@@ -88,10 +90,19 @@ class Verdict:
 
 
 def counts(runs: pl.DataFrame, measure: str) -> Float[np.ndarray, "runs"]:
-    """Episodes or environment steps to convergence; infinite where a run did not converge."""
+    """One of `MEASURES` for each run; infinite where a run did not come so far."""
+    if measure == "first success":
+        each = zip(runs["curve"], runs["best_return"], strict=True)
+        return np.array([_first(curve.to_numpy(), 2 * best) for curve, best in each])
     column = {"episodes": "converged_at", "steps": "steps_had"}[measure]
     values = runs[column].cast(pl.Float64).fill_null(np.inf).to_numpy()
     return np.where(runs["converged_at"].is_null().to_numpy(), np.inf, values)
+
+
+def _first(curve: Float[np.ndarray, "n"], wanted: float) -> float:
+    """After how many episodes a learning curve first comes up to a return."""
+    there = np.flatnonzero(curve >= wanted)
+    return float(BLOCK * (there[0] + 1)) if len(there) else np.inf
 
 
 def verdict(sooner: pl.DataFrame, later: pl.DataFrame, measure: str) -> Verdict:
@@ -109,7 +120,7 @@ def multiverse(results: pl.DataFrame) -> pl.DataFrame:
 
     Returns:
         A row for each claim, learner, horizon, beta and measure: "superiority", "p", "outcome" and
-        how many runs converged. A claim about vanilla agents alone has one setting a learner and
+        how many runs came so far. A claim about vanilla agents alone has one setting a learner and
         measure (horizon and beta are null).
     """
     rows = []

@@ -203,6 +203,7 @@ def intervals_figure(panels: Mapping[str, pl.DataFrame], label: str) -> Figure:
         ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         ax.xaxis.set_major_formatter(StrMethodFormatter("{x:,g}"))
         ax.xaxis.set_minor_locator(NullLocator())
+        ax.tick_params(axis="x", labelsize=7)
     figure.tight_layout()
     return figure
 

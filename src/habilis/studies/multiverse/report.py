@@ -38,11 +38,9 @@ def write_study(study: Study, folder: Path) -> None:
     page = render(
         "multiverse.html",
         figure=lambda name: inlined(folder / f"{name}.svg"),
-        shares=claims.shares(study.multiverse.filter(measure="episodes")).to_dicts(),
-        shares_by_learner=claims.shares(
-            study.multiverse.filter(measure="episodes"), ["learner"]
-        ).to_dicts(),
-        maps=claims.shares(study.maps.filter(measure="episodes")).to_dicts(),
+        shares=claims.shares(study.multiverse, ["measure"]).to_dicts(),
+        shares_by_learner=claims.shares(study.multiverse, ["measure", "learner"]).to_dicts(),
+        maps=claims.shares(study.maps, ["measure"]).to_dicts(),
         map_names=study.maps["map"].unique().sort().to_list(),
         rows=study.rows.to_dicts(),
         aggregate=aggregate(study.runs).to_dicts(),
@@ -64,24 +62,14 @@ def settings_count(study: Study) -> int:
 
 
 def _figures(study: Study) -> Iterator[tuple[str, Figure]]:
-    episodes = study.multiverse.filter(measure="episodes")
-    yield (
-        "shares",
-        pictures.shares_figure(
-            {
-                f"{settings_count(study)} settings, in episodes": claims.shares(episodes),
-                "the same, in environment steps": claims.shares(
-                    study.multiverse.filter(measure="steps")
-                ),
-                "all maps, paper's horizon and beta": claims.shares(
-                    study.maps.filter(measure="episodes")
-                ),
-            }
-        ),
-    )
-    yield "choices", pictures.choices_figure(study.multiverse, study.changed(), "episodes")
+    yield "shares", pictures.shares_figure(_shares(study.multiverse))
+    yield "maps-shares", pictures.shares_figure(_shares(study.maps))
+    for measure, name in (("episodes", "choices"), ("first success", "choices-first")):
+        figure = pictures.choices_figure(study.multiverse, study.changed(), measure)
+        yield name, figure
     yield "explained", pictures.explained_figure(claims.explained(study.multiverse))
     yield "maps", pictures.maps_figure(study.maps, "episodes")
+    yield "maps-first", pictures.maps_figure(study.maps, "first success")
     curves = paper_curves(study.runs)
     best = {
         world: float(study.runs.filter(map=world)["best_return"].max())  # pyright: ignore[reportArgumentType]
@@ -109,6 +97,17 @@ def _figures(study: Study) -> Iterator[tuple[str, Figure]]:
             "episodes to convergence (interquartile mean, 95 % interval)",
         ),
     )
+
+
+def _shares(verdicts: pl.DataFrame) -> dict[str, pl.DataFrame]:
+    titles = {
+        "episodes": "episodes to convergence",
+        "steps": "environment steps",
+        "first success": "episodes to first success",
+    }
+    return {
+        title: claims.shares(verdicts.filter(measure=measure)) for measure, title in titles.items()
+    }
 
 
 def _shaping_panel(rows: pl.DataFrame, world: str, tool: str) -> pl.DataFrame:

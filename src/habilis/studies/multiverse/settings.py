@@ -22,7 +22,7 @@ LEARNERS: dict[str, dict[str, Any]] = {
     "A2C": {"steps": 1_500_000} | _SHORTER,
     "A2C, constant entropy": {"steps": 1_500_000, "entropy_end": 0.02},
     "A2C, RMSprop, full reward": {
-        "steps": 3_000_000,
+        "steps": 2_000_000,
         "optimizer": "rmsprop",
         "learning_rate": 2e-3,
         "reward_scale": 1.0,
