@@ -29,8 +29,17 @@ CLUSTER = """
 import sys
 from ray.cluster_utils import Cluster
 
-cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
-other = cluster.add_node(num_cpus=1)
+def patiently(start):
+    for attempts_left in reversed(range(5)):
+        try:
+            return start()
+        except Exception:  # Ray gives a node half a minute to start, busy machine or not
+            if not attempts_left:
+                raise
+
+head = {"num_cpus": 1, "include_dashboard": False}
+cluster = patiently(lambda: Cluster(initialize_head=True, head_node_args=head))
+other = patiently(lambda: cluster.add_node(num_cpus=1))
 print(cluster.address, flush=True)
 for line in sys.stdin:
     cluster.remove_node(other, allow_graceful=False)
