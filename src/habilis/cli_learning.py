@@ -94,6 +94,9 @@ def plot(args: Args) -> int:
     picture = import_from("habilis.learning.curves_picture", "learn")
     from habilis.worlds.pictures import save_figure
 
+    for place in args.folders:
+        if args.folders.count(place) > 1:
+            raise ValueError(f"{place}: is named twice; name each folder once")
     runs = [folder.load_latest(place) for place in args.folders]
     labels = picture.labels([run.config for run in runs], [str(place) for place in args.folders])
     drawn = {

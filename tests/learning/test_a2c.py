@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from probes import QUICK_A2C, learn, row
 
+from habilis.learning import actor_critic
 from habilis.learning.a2c import actor_critic_loss
 from habilis.learning.actor_critic import Learner, descended, direction
 from habilis.learning.algorithms import A2C
@@ -19,7 +20,7 @@ from habilis.learning.rollout import Context
 from habilis.mdp import TabularMDP
 
 QUICK = Config(algorithm=QUICK_A2C, seed=3)
-BONUS = {"intrinsic": "state", "beta": 1.0}
+BONUS = {"intrinsic": "state", "horizon": 1, "beta": 1.0}
 
 
 def test_it_solves_the_identity_task():
@@ -207,3 +208,47 @@ def test_the_loop_is_compiled_once_for_equal_shapes():
     learn(row(2, 1, [[1.0], [0.0]]), config, updates=2)
     learn(row(2, 1, [[2.0], [0.0]]), config.changed(learning_rate=1e-3, seed=8), updates=2)
     assert advance._cache_size() == before + 1  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def context(taken, **numbers):
+    unused: Any = None
+    return Context(
+        task=unused,
+        algorithm=A2C(),
+        numbers={name: jnp.float32(number) for name, number in numbers.items()},
+        taken=jnp.float32(taken),
+        key=jax.random.key(0),
+        worth=jnp.abs,
+    )
+
+
+@pytest.mark.parametrize(
+    ("taken", "weight"), [(0, 0.8), (100, 0.8), (150, 0.5), (200, 0.2), (10_000, 0.2)]
+)
+def test_entropys_weight_is_held_then_falls_linearly_then_stays(taken, weight):
+    told = actor_critic.entropy_weight(
+        context(taken, entropy=0.8, entropy_end=0.2, entropy_hold=100, entropy_steps=100)
+    )
+    assert told == pytest.approx(weight)
+
+
+def test_entropys_weight_stays_where_no_steps_are_given():
+    never = context(10_000, entropy=0.8, entropy_end=0.2, entropy_hold=0, entropy_steps=0)
+    assert actor_critic.entropy_weight(never) == pytest.approx(0.8)
+
+
+def test_normalised_advantages_have_mean_zero_and_deviation_one():
+    told = actor_critic.normalised(jnp.array([[1.0, 5.0], [-3.0, 2.0]]))
+    assert told.mean() == pytest.approx(0, abs=1e-6)
+    assert told.std() == pytest.approx(1, rel=1e-5)
+
+
+def test_schedules_count_environment_steps_not_updates():
+    """Entropy vanishes after the first update, of 32 steps: the second one has none."""
+    reward = np.zeros((2, 2))
+    gone = QUICK.changed(entropy=1.0, entropy_end=0.0, entropy_hold=0, entropy_steps=32)
+    kept = QUICK.changed(entropy=1.0, entropy_end=0.0, entropy_hold=0, entropy_steps=10**9)
+    losses = [learn(row(2, 2, reward), config, updates=2).loss for config in (gone, kept)]
+    assert losses[0][0] == pytest.approx(losses[1][0])
+    assert losses[1][1] < -0.6, "two actions, at most 0.69 nats"
+    assert losses[0][1] > -0.1

@@ -177,6 +177,7 @@ def test_plot_draws_one_or_several_folders(folders, tmp_path, capsys, monkeypatc
 
 def test_plot_refuses_what_it_cannot_draw(folders, tmp_path, capsys):
     assert main(["plot", str(tmp_path / "nothing")]) == 2
+    assert main(["plot", folders[0], folders[0]]) == 2
     assert "config.json: is missing" in capsys.readouterr().err
     assert main(["plot", folders[0], "--out", str(tmp_path / "curves.bmp")]) == 2
     assert "unknown picture suffix" in capsys.readouterr().err

@@ -9,7 +9,7 @@ from habilis.learning.config import Config
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
-BONUS = Config(algorithm=QUICK_A2C, intrinsic="state", beta=1.0, seed=3)
+BONUS = Config(algorithm=QUICK_A2C, intrinsic="state", horizon=1, beta=1.0, seed=3)
 # To the left or to the right, both then to the end.
 FORK = TabularMDP.deterministic([[1, 2], [3, 3], [3, 3], [3, 3]], terminal=[0, 0, 0, 1])
 RIGHT = [0.0, 0.0, 1.0, 0.0]
@@ -64,7 +64,7 @@ def test_a_potential_changes_values_and_not_what_is_best():
     q = QLearning(epsilon=0.5, epsilon_steps=0, discount=0.8)
     plain = learn(mdp, Config(algorithm=q), updates=2000).values
     potential = np.array([3.0, -7.0, 11.0])
-    shaped = Config(algorithm=q, intrinsic="state", beta=1.0, earned="difference")
+    shaped = Config(algorithm=q, intrinsic="state", horizon=1, beta=1.0, earned="difference")
     values = learn(mdp, shaped, updates=2000, table=potential).values
     np.testing.assert_allclose(values[:2], plain[:2] - potential[:2, None], atol=1e-2)
 

@@ -139,11 +139,20 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         ("intrinsic", "object", "give both what is added and its weight"),
         ("hidden", (), "at least one width"),
         ("rollout", 1000, "no longer than an episode"),
+        ("envs", 10**20, "give at most 2,000,000,000"),
+        ("runs", 10**12, "give at most 2,000,000,000"),
+        ("hidden", (True,), "width from 1 to 65,536"),
+        ("tool", 5, "give its name"),
     ],
 )
 def test_a_setting_out_of_range_is_refused(field, value, mend):
     with pytest.raises(ValueError, match=mend):
         Config().changed(**{field: value})
+
+
+def test_an_empowerment_that_is_nothing_is_no_reward():
+    with pytest.raises(ValueError, match="give a horizon of at least 1"):
+        Config(intrinsic="object", beta=0.1)
 
 
 def test_an_unknown_setting_is_refused_with_those_there_are():

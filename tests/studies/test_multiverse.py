@@ -10,7 +10,7 @@ from habilis.studies.multiverse import claims
 from habilis.studies.multiverse.optimum import return_of_the_best_policy
 from habilis.studies.multiverse.report import settings_count, write_study
 from habilis.studies.multiverse.settings import BETAS, HORIZONS, WORLDS, agents, all_maps
-from habilis.studies.multiverse.study import Study, joined
+from habilis.studies.multiverse.study import Study, aggregate, iqm, joined, paper_curves, pooled
 
 EVERYONE = agents(all_maps())
 
@@ -157,3 +157,87 @@ def test_the_worlds_are_the_papers():
         ("yard", "picker"),
         ("yard", "broom"),
     ]
+
+
+def runs_of(converged_at, steps, **columns):
+    own = {"converged_at": converged_at, "steps_had": steps, "episodes_had": [9] * len(steps)}
+    fixed = {name: [value] * len(steps) for name, value in columns.items()}
+    return pl.DataFrame(own | fixed, schema_overrides={"converged_at": pl.Int64})
+
+
+def test_episodes_and_steps_are_counted_apart_and_neither_without_convergence():
+    runs = runs_of([5, 6, None], [500, 400, 300])
+    assert claims.counts(runs, "episodes").tolist() == [5, 6, np.inf]
+    assert claims.counts(runs, "steps").tolist() == [500, 400, np.inf]
+
+
+def test_an_order_that_chance_may_have_made_is_undecided():
+    even, odd = (list(range(start, start + 20, 2)) for start in (0, 5))
+    told = claims.verdict(runs_of(even, even), runs_of(odd, odd), "episodes")
+    assert 0.05 < told.p < 0.9
+    assert told.superiority > 0.5
+    assert told.outcome == "undecided"
+
+
+def test_claims_on_maps_have_the_same_direction(study):
+    assert (claims.shares(study.maps)["holds"] == 1).all()
+    assert set(study.maps["map"]) == set(all_maps())
+
+
+def test_an_interval_is_open_where_too_many_runs_were_given_up():
+    ten = np.arange(1.0, 11.0)
+    middle, low, high = iqm(ten)
+    assert middle == 5.5
+    assert low is not None
+    assert low < 5.5
+    assert high is not None
+    assert high > 5.5
+    ten[-2:] = np.inf
+    middle, low, high = iqm(ten)
+    assert middle == 5.5, "the two are in the upper quarter"
+    assert low is not None
+    assert high is None
+    ten[-3:] = np.inf
+    assert iqm(ten)[0] is None
+
+
+def test_agents_that_never_come_so_far_are_not_the_sooner_ones():
+    tasks = [np.array([1.0, 2.0, 3.0, 4.0]), np.full(4, np.inf)]
+    assert pooled(tasks) == (None, None, None)
+    middle, low, high = pooled([np.array([0.5, 0.5, 0.5, 0.5])] * 2)
+    assert (middle, low, high) == (0.5, 0.5, 0.5)
+
+
+def test_vanilla_is_its_own_measure(study):
+    told = aggregate(study.runs)
+    assert told["agent"].to_list()[0] == "vanilla"
+    assert told["middle"][0] == pytest.approx(1, abs=0.01)
+    assert (told["middle"][1:] < 1).all()
+
+
+def test_superiority_over_vanilla_and_its_interval(study):
+    rows = study.rows.filter(pl.col("reward") != "none")
+    assert (rows["superiority"] == 1).all()
+    assert (rows["superiority_low"] == 1).all()
+    vanilla = study.rows.filter(reward="none")
+    assert (vanilla["superiority"] == 0.5).all()
+    assert (vanilla["superiority_low"] < 0.5).all()
+    assert (vanilla["superiority_high"] > 0.5).all()
+
+
+def test_where_the_best_policy_is_lost_is_told_for_each_claim(study):
+    changed = study.changed()
+    toe = changed.filter(claim="TOE before vanilla (corridor, picker)")
+    lost = study.optima.filter(pl.col("best_policy") < pl.col("best_return") - 0.9)
+    lost = lost.filter(map="corridor", reward="TOE")
+    assert len(lost)
+    assert set(toe.select("horizon", "beta").rows()) == set(lost.select("horizon", "beta").rows())
+    assert changed.filter(claim="picker before broom, vanilla (yard)").is_empty()
+
+
+def test_curves_end_where_the_first_run_was_given_up():
+    runs = joined(EVERYONE, results_of(EVERYONE, lambda agent: 1_000, lambda agent: False))
+    lengths = {
+        table.shape[1] for agents in paper_curves(runs).values() for table in agents.values()
+    }
+    assert lengths == {12}, "ten blocks, and two more, of the first run"

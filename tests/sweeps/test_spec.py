@@ -19,6 +19,7 @@ def test_a_grid_is_every_combination_in_order(read):
 [config]
 world = "yard"
 intrinsic = "object"
+horizon = 2
 runs = 3
 [grid]
 beta = [0.05, 0.1]
@@ -88,6 +89,9 @@ envs = [8, 16]
         ('[search]\nenvs = [8]\nminimise = "luck"', "minimise 'luck' is unknown; use one of mean_"),
         ("[search]\nbeta = [0.1, 0.2]", "at beta = 0.1: intrinsic is 'none' and beta 0.1"),
         ("[grid", "spec.toml: "),
+        ("[grid]\ndiscount = [1979-05-27]", r"\[grid\] has the date 1979-05-27; give a number"),
+        ("[config]\ntool = 07:32:00\n[grid]\nseed = [1]", r"\[config\] has the date 07:32:00"),
+        ('[search]\nenvs = [8]\nminimise = ["x"]', r"minimise \['x'\] is unknown"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(read, text, mend):

@@ -109,7 +109,7 @@ class Loop:
         jax.block_until_ready(_draws(jax.random.key(0)))
 
     def act(self) -> None:
-        """The rollouts of `train`, on the same draws, without learning from them."""
+        """As many rollouts as `train` makes, without learning from them."""
         learners, places = self.lanes.learner, self.lanes.place
         draws = jnp.broadcast_to(jnp.float32(0.5), (RUNS, UPDATES, A2C.rollout, A2C.envs))
         jax.block_until_ready(self._act(learners, places, draws))

@@ -4,7 +4,8 @@ Advantage actor-critic as in single-file JAX libraries: the world's rules are ar
 coordinates, observations are one-hot vectors into dense layers, actions come from
 `jax.random.categorical` with a key split for each step, both outcomes of an ended episode are made
 and one is selected, and the loss evaluates the network again. World, network, batch and optimiser
-are those of `Config(world="corridor")`; it learns the same thing, slower.
+are those of `Config(world="corridor")`; as its models do, it takes a time
+limit for an end.
 """
 
 from typing import Any, NamedTuple

@@ -132,14 +132,14 @@ def _enter(seats: list[Seat], lanes: list[Lane], log: Log) -> None:
     for place, ((job, run), lane) in enumerate(zip(seats, lanes, strict=True)):
         record = job.records[run]
         envs = log.transition.shape[-1]
-        _check_finite(job, run, np.asarray(log.loss[place]), lane.learner.parameters)
+        _check_finite(job, run, np.asarray(log.loss[place]), (lane.learner, lane.novelty))
         did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
         transition, truncated = (part.reshape(-1, envs) for part in did)
         record.add(transition, truncated, float(log.loss[place].mean(dtype=np.float64)))
         job.lanes[run] = lane
 
 
-def _check_finite(job: Job, run: int, loss: np.ndarray, parameters: object) -> None:
+def _check_finite(job: Job, run: int, loss: np.ndarray, learned: object) -> None:
     """Refuses what a run has come to, if it is no numbers.
 
     Raises:
@@ -148,7 +148,7 @@ def _check_finite(job: Job, run: int, loss: np.ndarray, parameters: object) -> N
     broken = np.flatnonzero(~np.isfinite(loss))
     if len(broken):
         what, updates = "loss", int(broken[0]) + 1
-    elif not all(bool(np.isfinite(leaf).all()) for leaf in jax.tree.leaves(parameters)):
+    elif not all(bool(np.isfinite(leaf).all()) for leaf in jax.tree.leaves(learned)):
         what, updates = "parameters", len(loss)
     else:
         return

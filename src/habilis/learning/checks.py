@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 Value = TypeVar("Value")
 
 _LARGEST = 1e30  # of a number that is learned with, in float32
+_WIDEST = 65_536
+_MOST = 2_000_000_000  # of what is counted; seeds go further
 
 
 def setting(default: Value, text: str, static: bool = False) -> Value:
@@ -56,9 +58,9 @@ def widths(value: Any) -> tuple[int, ...]:
     if (
         not isinstance(value, tuple | list)
         or not value
-        or not all(isinstance(width, int) and width >= 1 for width in value)
+        or not all(type(width) is int and 1 <= width <= _WIDEST for width in value)
     ):
-        raise ValueError(f"hidden is {value!r}; give at least one width of at least 1")
+        raise ValueError(f"hidden is {value!r}; give at least one width from 1 to {_WIDEST:,}")
     return tuple(value)
 
 
@@ -67,6 +69,8 @@ def _check_type(name: str, value: Any, wanted: type) -> None:
         raise ValueError(f"{name} is {value!r}; give true or false")
     if wanted is int and (isinstance(value, bool) or not isinstance(value, int)):
         raise ValueError(f"{name} is {value!r}; give a whole number")
+    if wanted is int and name != "seed" and not abs(value) <= _MOST:
+        raise ValueError(f"{name} is {value}; give at most {_MOST:,}")
     if wanted is float:
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if not number or not abs(value) <= _LARGEST:

@@ -49,7 +49,8 @@ class Config:
     earned: str = setting(
         "next",
         "whose value is added: the next state's, the current one's, or the difference "
-        "discount * next - current, a potential that leaves the best policy alone",
+        "discount * next - current, a potential, which leaves the best policy alone where beta and "
+        "the values do not change",
     )
     terminal_bonus: bool = setting(True, "whether entering a terminal state earns it too")
     extrinsic: bool = setting(True, "whether the agent learns from the world's reward at all")
@@ -65,6 +66,8 @@ class Config:
         check_types(self)
         if not isinstance(self.algorithm, Algorithm):
             raise ValueError(f"algorithm is {self.algorithm!r}; give one, such as A2C()")
+        if self.tool is not None and not isinstance(self.tool, str):
+            raise ValueError(f"tool is {self.tool!r}; give its name")
         at_least(self, horizon=0, runs=1, seed=0, episodes=1, steps=1, episode_limit=1)
         at_least(self, beta_steps=0)
         one_of(self, "beta_schedule", SCHEDULES)
@@ -82,6 +85,12 @@ class Config:
             raise ValueError(
                 f"intrinsic is {self.intrinsic!r} and beta {self.beta:g}; give both what is added "
                 "and its weight, or neither"
+            )
+
+        if self.regularised and self.intrinsic not in NOVELTIES and self.horizon < 1:
+            raise ValueError(
+                f"intrinsic is {self.intrinsic!r} and horizon 0, which is worth nothing; give a "
+                "horizon of at least 1"
             )
 
     @property

@@ -58,6 +58,8 @@ def train_in_folder(
     with alone(folder):
         if is_finished(folder):  # by a process that had the folder until now
             return _finished(config, folder)
+        if has_begun(folder):  # or begun, with who knows what settings
+            _check_same(config, folder)
         _restore(job, folder)
         with saving(folder, _GO_ON):
             begin(job, folder)

@@ -24,6 +24,7 @@ from pathlib import Path
 
 import polars as pl
 
+from habilis.learning.checkpoints import write_whole
 from habilis.learning.config import Config
 from habilis.learning.train import train
 from habilis.studies.published import EXPERIMENTS
@@ -109,7 +110,7 @@ def run_stage(stage: str, budget: dict, settings: list[dict]) -> None:
         table = pl.DataFrame(rows)
         if RESULTS.exists():
             table = pl.concat([pl.read_csv(RESULTS), table], how="vertical_relaxed")
-        table.write_csv(RESULTS)
+        write_whole(RESULTS, table.write_csv)
         for row in rows:
             print(*row.values(), flush=True)
 
@@ -170,14 +171,16 @@ def main() -> None:
         if scores("confirm")[0].converged:
             break
     best = scores("confirm")[0]
+    if not best.converged:
+        raise SystemExit("no setting converged in all vanilla runs; widen the grid")
     runs = len(VANILLA) * CONFIRM["runs"]
     lines = [
         "# Written by habilis.studies.calibrate, on the vanilla rows alone.",
-        f"# {'All' if best.converged else 'Not all'} of their {runs} runs converged, a row's "
+        f"# All of their {runs} runs converged, a row's "
         f"slowest after {best.steps:,.0f} environment steps (geometric mean).",
     ]
     lines += [f"{k} = {v!r}".replace("'", '"') for k, v in frozen(best).items()]
-    SETTINGS.write_text("\n".join(lines) + "\n")
+    write_whole(SETTINGS, lambda file: file.write(("\n".join(lines) + "\n").encode()))
 
 
 if __name__ == "__main__":

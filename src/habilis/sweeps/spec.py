@@ -17,6 +17,7 @@ learning_rate = {low = 1e-4, high = 1e-2, log = true}
 envs = [8, 16]
 """
 
+import datetime
 import itertools
 import json
 import tomllib
@@ -127,7 +128,9 @@ def point(shared: Values, own: Values) -> Config:
     try:
         return Config.from_dict(shared | own)
     except ValueError as error:
-        named = ", ".join(f"{name} = {json.dumps(value)}" for name, value in own.items())
+        named = ", ".join(
+            f"{name} = {json.dumps(value, default=str)}" for name, value in own.items()
+        )
         raise ValueError(f"at {named}: {error}" if own else str(error)) from None
 
 
@@ -137,6 +140,7 @@ def _spec(tables: Values) -> Spec:
             raise ValueError(f"{name!r} is unknown; use [config] and one of [grid], [search]")
         if not isinstance(table, dict):
             raise ValueError(f"{name} is {table!r}; make it a table, [{name}]")
+        _refuse_dates(name, table)
     if ("grid" in tables) == ("search" in tables):
         both = "both [grid] and" if "grid" in tables else "neither [grid] nor"
         raise ValueError(f"has {both} [search]; give one of them")
@@ -211,6 +215,15 @@ _DEFAULTS = {
 }
 
 
+def _refuse_dates(where: str, value: Any) -> None:
+    """TOML has dates and times; no setting is one."""
+    if isinstance(value, datetime.date | datetime.time):
+        raise ValueError(f"[{where}] has the date {value}; give a number, a text, true or false")
+    for each in value.values() if isinstance(value, dict) else value:
+        if isinstance(each, dict | list | datetime.date | datetime.time):
+            _refuse_dates(where, each)
+
+
 def _check_names(table: str, names: Any) -> None:
     for name in names:
         if name not in _DEFAULTS:
@@ -222,7 +235,7 @@ def _check_names(table: str, names: Any) -> None:
 
 def _check_option(name: str, value: Any) -> None:
     if name == "minimise":
-        if value not in OBJECTIVES:
+        if not isinstance(value, str) or value not in OBJECTIVES:
             raise ValueError(f"minimise {value!r} is unknown; use one of {', '.join(OBJECTIVES)}")
     elif isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**32:
         raise ValueError(f"[search] {name} is {value!r}; give a whole number from 0 to 4294967295")

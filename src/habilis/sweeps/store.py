@@ -137,6 +137,12 @@ def write_results(frame: pl.DataFrame, folder: Path) -> None:
     write_whole(folder / "results.parquet", frame.write_parquet)
 
 
+def remove_results(folder: Path) -> None:
+    """Of earlier points, so that nothing looks finished that is not."""
+    for name in ("results.csv", "results.parquet"):
+        (folder / name).unlink(missing_ok=True)
+
+
 def write_json(path: Path, value: Any) -> None:
     write_whole(path, lambda file: file.write((json.dumps(value, indent=1) + "\n").encode()))
 

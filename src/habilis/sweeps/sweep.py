@@ -111,6 +111,7 @@ class Session:
         """
         with saving(self.folder):
             store.write_points(points, self.folder)
+            store.remove_results(self.folder)
         tasks = {task.name: task for point in points for task in tasks_of(*point)}
         unknown = [task for name, task in tasks.items() if name not in self.outcomes]
         found, told = store.read(unknown, self.folder)

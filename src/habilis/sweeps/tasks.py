@@ -109,7 +109,7 @@ def check(config: Config, world: World) -> None:
     Raises:
         ValueError: the goal is out of reach, or the sensor does not exist.
     """
-    Job.of(0, config.changed(horizon=0), world, ())
+    Job.of(0, config.changed(horizon=min(config.horizon, 1)), world, ())
 
 
 def run_task(task: Task) -> Outcomes:

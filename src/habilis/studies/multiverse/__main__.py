@@ -4,6 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from habilis.learning.folder import check_writable
 from habilis.learning.interruption import Interrupted
 from habilis.studies.multiverse.report import write_study
 from habilis.studies.multiverse.settings import agents, all_maps
@@ -19,6 +20,7 @@ def main() -> int:
     args = parser.parse_args()
     everyone = agents(all_maps())
     try:
+        check_writable(args.out)
         with progress_bar() as on_progress:
             results = sweep(
                 [agent.config for agent in everyone],
@@ -32,6 +34,9 @@ def main() -> int:
             file=sys.stderr,
         )
         return 130
+    except ValueError as error:
+        print(f"habilis: {error}", file=sys.stderr)
+        return 2
     study = Study.of(joined(everyone, results))
     write_study(study, args.out)
     print(args.out / "report.html")

@@ -1,6 +1,6 @@
 """The pictures of the second part."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import polars as pl
@@ -156,23 +156,21 @@ def maps_figure(verdicts: pl.DataFrame, measure: str) -> Figure:
 
 
 def curves_figure(
-    panels: Mapping[str, Mapping[str, Sequence[np.ndarray]]], best: Mapping[str, float]
+    panels: Mapping[str, Mapping[str, np.ndarray]], best: Mapping[str, float]
 ) -> Figure:
     """Learning curves: the interquartile mean of the return, and its 95 % bootstrap interval.
 
     Args:
-        panels: by title, by the agent's name, each run's mean return over each 100 episodes. A run
-            that converged is carried on at its last value.
+        panels: by title, by the agent's name, float[runs, blocks], the mean returns over each 100
+            episodes.
         best: the best return of each panel.
     """
     figure = Figure(figsize=(5.2 * len(panels), 4), dpi=96)
     axes = np.atleast_1d(figure.subplots(1, len(panels)))
     for ax, (title, agents) in zip(axes, panels.items(), strict=True):
-        longest = max(len(run) for runs in agents.values() for run in runs)
-        for (name, runs), colour in zip(agents.items(), _COLOURS, strict=False):
-            table = np.stack([np.pad(run, (0, longest - len(run)), mode="edge") for run in runs])
+        for (name, table), colour in zip(agents.items(), _COLOURS, strict=False):
             low, high = bootstrap_interval(table, interquartile_mean)
-            x = 100 * (np.arange(longest) + 1)
+            x = 100 * (np.arange(table.shape[1]) + 1)
             ax.plot(x, interquartile_mean(table), color=colour, label=name, linewidth=1.4)
             ax.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         ax.axhline(best[title], color="#5b6270", linewidth=0.8, linestyle=":")
@@ -189,8 +187,8 @@ def intervals_figure(panels: Mapping[str, pl.DataFrame], label: str) -> Figure:
     """Points with intervals, a row an agent.
 
     Args:
-        panels: by title, "agent", "middle", "low", "high", a "note" on the right, and whether it is
-            "complete", all its runs having converged.
+        panels: by title, "agent", "middle", "low", "high" (null: open), a "note" on the right, and
+            whether it is "complete", all its runs having converged.
         label: of the horizontal axis.
     """
     rows = max(len(panel) for panel in panels.values())
@@ -209,10 +207,15 @@ def intervals_figure(panels: Mapping[str, pl.DataFrame], label: str) -> Figure:
 
 
 def _intervals(ax: Axes, panel: pl.DataFrame) -> None:
+    ends = panel.select(pl.max_horizontal("middle", "high").max()).item()
+    furthest = 1.5 * ends if ends is not None else 1.0  # where an open interval is drawn to
     for row, one in enumerate(panel.iter_rows(named=True)):
         colour = HOLDS if one["complete"] else OPPOSITE
         if one["middle"] is not None:
-            ax.plot([one["low"], one["high"]], [row, row], color=colour, linewidth=2.5, alpha=0.4)
+            high = furthest if one["high"] is None else one["high"]
+            ax.plot([one["low"], high], [row, row], color=colour, linewidth=2.5, alpha=0.4)
+            if one["high"] is None:
+                ax.plot(high, row, ">", color=colour, markersize=5, alpha=0.6)
             ax.plot(one["middle"], row, "o", color=colour, markersize=6)
         ax.text(
             1.01,

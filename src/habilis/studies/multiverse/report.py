@@ -84,7 +84,7 @@ def _figures(study: Study) -> Iterator[tuple[str, Figure]]:
                     note=pl.lit(""), complete=True
                 )
             },
-            "episodes to convergence / vanilla's mean (interquartile mean, 95 % interval)",
+            "episodes to first success / vanilla's mean (interquartile mean, 95 % interval)",
         ),
     )
     yield (

@@ -17,7 +17,7 @@ from habilis.learning.intervals import (
 )
 from habilis.studies.multiverse import claims
 from habilis.studies.multiverse.optimum import return_of_the_best_policy
-from habilis.studies.multiverse.settings import BETAS, HORIZONS, WORLDS, Agent
+from habilis.studies.multiverse.settings import BETAS, HORIZONS, SHAPINGS, WORLDS, Agent
 from habilis.studies.published import EXPERIMENTS
 from habilis.studies.settings import frozen_settings
 from habilis.worlds.plans import solve
@@ -25,6 +25,8 @@ from habilis.worlds.table import tabulate
 from habilis.worlds.world import load_world
 
 _MARGIN = 0.9  # of the paper's criterion
+_INTERVAL = ("middle", "low", "high")
+_INFINITE = 1e30
 _SENSOR = {"FOE": "state", "TOE": "object"}
 
 
@@ -115,9 +117,8 @@ def rows(runs: pl.DataFrame) -> pl.DataFrame:
     Returns:
         A row an agent: `claims.KEYS`, "converged" (of the runs), the interquartile mean of the
         episodes to convergence with its 95 % bootstrap interval ("middle", "low", "high"; null
-        where fewer than three quarters of the runs converged), "superiority" over the vanilla
-        agent of its world and tool with its interval, "p", and "best_return_kept": whether the
-        final return of all runs that converged is the best one's but for the margin.
+        where too many runs were given up), "superiority" over the vanilla agent of its world and
+        tool with its interval, "p", and "final_return", the median over the runs.
     """
     found = []
     for key, part in runs.group_by(*claims.KEYS, maintain_order=True):
@@ -126,7 +127,7 @@ def rows(runs: pl.DataFrame) -> pl.DataFrame:
         counts, bare = (claims.counts(side, "episodes") for side in (part, vanilla))
         told = claims.verdict(part, vanilla, "episodes")
         row |= {"converged": int(np.isfinite(counts).sum()), "runs": len(counts)}
-        row |= dict(zip(("middle", "low", "high"), _iqm(counts), strict=True))
+        row |= dict(zip(_INTERVAL, iqm(counts), strict=True))
         low, high = _superiority(counts, bare)
         row |= {"superiority": told.superiority, "superiority_low": low, "superiority_high": high}
         found.append(row | {"p": told.p, "final_return": part["final_return"].median()})
@@ -136,8 +137,9 @@ def rows(runs: pl.DataFrame) -> pl.DataFrame:
 def aggregate(runs: pl.DataFrame) -> pl.DataFrame:
     """Over all the paper's worlds and tools together, as rliable pools tasks.
 
-    The score of a run is its episodes to convergence over the mean of the vanilla agent's in the
-    same world with the same tool; a run that was given up counts with the episodes it had.
+    The score of a run is its episodes to first success (`claims.counts`) over the mean of the
+    vanilla agent's in the same world with the same tool. Not those to convergence: these have no
+    mean where a run was given up.
 
     Returns:
         A row for "vanilla" and each way of giving TOE: the scores' IQM and its stratified interval.
@@ -145,32 +147,55 @@ def aggregate(runs: pl.DataFrame) -> pl.DataFrame:
     found = []
     shaping = runs.filter(part="shaping")
     betas = {(w, t, r): b for w, t, r, b in _paper_betas()}
-    for how in ("vanilla", *shaping["how"].unique(maintain_order=True)):
+    for how in ("vanilla", *SHAPINGS):
         tasks = []
         for world, tool, _ in WORLDS:
             here = shaping.filter(map=world, tool=tool)
-            bare = _had(here.filter(reward="none"))
-            mine = here.filter(reward="TOE", how=how, beta=betas[world, tool, "TOE"])
-            tasks.append((bare if how == "vanilla" else _had(mine)) / bare.mean())
-        low, high = stratified_interval(tasks)
-        middle = float(interquartile_mean(np.concatenate(tasks)))
-        found.append({"agent": how, "middle": middle, "low": low, "high": high})
-    return pl.DataFrame(found)
+            bare = claims.counts(here.filter(reward="none"), "first success")
+            beta = betas[world, tool, "TOE"]
+            mine = bare
+            if how != "vanilla":
+                toe = here.filter(reward="TOE", how=how, beta=beta)
+                mine = claims.counts(toe, "first success")
+            tasks.append(mine / bare.mean())
+        row = {"agent": how} | dict(zip(_INTERVAL, pooled(tasks), strict=True))
+        found.append(row)
+    return pl.DataFrame(found, schema_overrides=dict.fromkeys(_INTERVAL, pl.Float64))
 
 
-def paper_curves(runs: pl.DataFrame) -> dict[str, dict[str, list[np.ndarray]]]:
-    """Learning curves of the paper's rows, by world and agent."""
+def pooled(tasks: list[np.ndarray]) -> tuple[float | None, float | None, float | None]:
+    """The IQM of all scores and the ends of its stratified interval; null where infinite."""
+    if not all(np.isfinite(task).any() for task in tasks):
+        return None, None, None
+    middle = float(interquartile_mean(np.concatenate(tasks)))
+    low, high = stratified_interval([_large(task) for task in tasks])
+    return _finite(middle), _finite(low), _finite(high)
+
+
+def paper_curves(runs: pl.DataFrame) -> dict[str, dict[str, np.ndarray]]:
+    """Learning curves of the paper's agents, by world and agent: float[runs, blocks].
+
+    A run that has converged is carried on at its last value; the curves of an agent end where the
+    first of its runs ends that was given up.
+    """
     shaping = runs.filter(part="shaping", how="plain")
     betas = {(w, t, r): b for w, t, r, b in _paper_betas()}
-    panels: dict[str, dict[str, list[np.ndarray]]] = {}
+    panels: dict[str, dict[str, np.ndarray]] = {}
     for world, tool, rewards in WORLDS:
         for reward in ("none", *rewards):
             beta = betas[world, tool, reward]
             part = shaping.filter(map=world, tool=tool, reward=reward, beta=beta)
             name = "vanilla" if reward == "none" else reward
             name = f"{name}, {tool}" if world == "yard" else name
-            panels.setdefault(world, {})[name] = [c.to_numpy() for c in part["curve"]]
+            panels.setdefault(world, {})[name] = _together(part)
     return panels
+
+
+def _together(runs: pl.DataFrame) -> np.ndarray:
+    curves = [curve.to_numpy() for curve in runs["curve"]]
+    given_up = [len(c) for c, at in zip(curves, runs["converged_at"], strict=True) if at is None]
+    length = min(given_up, default=max(map(len, curves)))
+    return np.stack([np.pad(c, (0, max(0, length - len(c))), mode="edge")[:length] for c in curves])
 
 
 def _paper_betas() -> Iterator[tuple[str, str, str, float]]:
@@ -180,17 +205,23 @@ def _paper_betas() -> Iterator[tuple[str, str, str, float]]:
             yield experiment.world, row.tool, names[row.intrinsic], row.beta
 
 
-def _had(runs: pl.DataFrame) -> np.ndarray:
-    """Episodes to convergence, or until a run was given up."""
-    return runs["converged_at"].fill_null(runs["episodes_had"]).to_numpy().astype(float)
+def iqm(counts: np.ndarray) -> tuple[float | None, float | None, float | None]:
+    """The interquartile mean of counts and the ends of its interval, null where infinite.
+
+    A run that was given up counts as infinite: it is among the upper quarter, or there is no mean.
+    """
+    low, high = bootstrap_interval(_large(counts), interquartile_mean)
+    middle = float(interquartile_mean(counts))
+    return _finite(middle), _finite(float(low)), _finite(float(high))
 
 
-def _iqm(counts: np.ndarray) -> tuple[float | None, float | None, float | None]:
-    if np.isfinite(counts).mean() < 0.75:
-        return None, None, None
-    finite = np.where(np.isfinite(counts), counts, np.nanmax(counts[np.isfinite(counts)]) * 10)
-    low, high = bootstrap_interval(finite, interquartile_mean)
-    return float(interquartile_mean(finite)), float(low), float(high)
+def _large(values: np.ndarray) -> np.ndarray:
+    """A number that stands for infinity, as quantiles cannot be taken between infinities."""
+    return np.where(np.isfinite(values), values, _INFINITE)
+
+
+def _finite(value: float) -> float | None:
+    return value if value < _INFINITE * 1e-6 else None
 
 
 def _superiority(counts: np.ndarray, bare: np.ndarray) -> tuple[float, float]:
