@@ -10,7 +10,7 @@ from habilis.studies.published import RUNS, Experiment, Row
 SETTINGS = Path(__file__).parent / "data" / "settings.toml"
 
 FULL: dict[str, Any] = {"runs": RUNS, "episodes": 1_000_000, "steps": 10_000_000}
-"""Budget of the whole reproduction: about two minutes on two processors."""
+"""Budget of the whole reproduction: about a minute on two processors."""
 QUICK: dict[str, Any] = {"runs": 5, "episodes": 20_000, "steps": 300_000}
 """Budget of `--quick`, in which few runs converge."""
 
