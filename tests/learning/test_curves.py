@@ -176,9 +176,14 @@ def test_plot_draws_one_or_several_folders(folders, tmp_path, capsys, monkeypatc
 
 
 def test_plot_refuses_what_it_cannot_draw(folders, tmp_path, capsys):
+    (tmp_path / "file").write_text("no run")
     assert main(["plot", str(tmp_path / "nothing")]) == 2
     assert main(["plot", folders[0], folders[0]]) == 2
-    assert "config.json: is missing" in capsys.readouterr().err
+    assert main(["plot", str(tmp_path / "file")]) == 2
+    said = capsys.readouterr().err
+    assert "config.json: is missing" in said
+    assert "is named twice; name each folder once" in said
+    assert "file: is a file; name the folder of a run" in said
     assert main(["plot", folders[0], "--out", str(tmp_path / "curves.bmp")]) == 2
     assert "unknown picture suffix" in capsys.readouterr().err
     assert main(["plot", folders[0], "--value", "equipped", "--json"]) in (0, 2)

@@ -1,3 +1,4 @@
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -110,3 +111,17 @@ def test_what_is_seen_often_is_distilled_and_what_is_not_stays_new():
 def test_bad_settings_are_refused(change, says):
     with pytest.raises(ValueError, match=says):
         BONUS.changed(**change)
+
+
+def test_the_scale_of_distances_is_their_running_mean_square():
+    task, rows = make_task(row(3, 2, np.zeros((3, 2))))
+    kept = intrinsic.start("rnd", task, rows, jax.random.key(0))
+    entered = jnp.array([[0, 1, 1]])
+    distance = jnp.square(
+        kept.predictor(task.inputs[entered]) - kept.target(task.inputs[entered])
+    ).mean(axis=-1)
+    after = intrinsic.visited("rnd", kept, task, entered)
+    expected = 0.999 * 1 + 0.001 * float(jnp.square(distance).mean())
+    assert float(after.scale) == pytest.approx(expected, rel=1e-5)
+    told = intrinsic.values("rnd", kept, jnp.zeros(3), task, entered)
+    np.testing.assert_allclose(told, distance, rtol=1e-4)

@@ -211,6 +211,8 @@ def load_latest(folder: str | Path) -> Run:
         ValueError: the folder holds no run, one without a checkpoint, or a damaged one.
     """
     folder = Path(folder)
+    if folder.is_file():
+        raise ValueError(f"{folder}: is a file; name the folder of a run")
     config, world = read_config(folder), read_world(folder)
     if not is_finished(folder):
         job = Job.of(0, config, world)
