@@ -88,7 +88,7 @@ SHAPINGS: dict[str, dict[str, Any]] = {
     "linear decay": {"beta_schedule": "linear", "beta_steps": 300_000},
     "halving": {"beta_schedule": "exponential", "beta_steps": 100_000},
 }
-_SENSOR = {"none": "none", "FOE": "state", "TOE": "object"}
+SENSORS = {"none": "none", "FOE": "state", "TOE": "object"}
 WORLDS = (
     ("corridor", "picker", ("FOE", "TOE")),
     ("yard", "picker", ("TOE",)),
@@ -120,14 +120,14 @@ def _multiverse() -> Iterator[Agent]:
 def _on_maps(maps: dict[str, Path]) -> Iterator[Agent]:
     """The rows of the paper's tables, each on every map of its world."""
     for name, path in maps.items():
-        for world, tool, reward, horizon, beta in _rows():
+        for world, tool, reward, horizon, beta in paper_rows():
             if name.startswith(world):
                 yield _agent("maps", "A2C", name, tool, reward, horizon, beta, path=path)
 
 
 def _shapings() -> Iterator[Agent]:
     """The rows of the paper's tables, at its beta and at one that harms, given in each way."""
-    for world, tool, reward, horizon, beta in _rows():
+    for world, tool, reward, horizon, beta in paper_rows():
         if reward == "none":
             yield _agent("shaping", "A2C", world, tool)
             continue
@@ -136,8 +136,9 @@ def _shapings() -> Iterator[Agent]:
                 yield _agent("shaping", "A2C", world, tool, reward, horizon, weight, how)
 
 
-def _rows() -> Iterator[tuple[str, str, str, int, float]]:
-    names = {sensor: reward for reward, sensor in _SENSOR.items()}
+def paper_rows() -> Iterator[tuple[str, str, str, int, float]]:
+    """World, tool, reward, horizon and beta of every row of the paper's tables."""
+    names = {sensor: reward for reward, sensor in SENSORS.items()}
     for experiment in EXPERIMENTS:
         for row in experiment.rows:
             yield experiment.world, row.tool, names[row.intrinsic], row.horizon, row.beta
@@ -158,7 +159,7 @@ def _agent(
     config = config.changed(
         world=world if path is None else str(path),
         tool=tool,
-        intrinsic=_SENSOR[reward],
+        intrinsic=SENSORS[reward],
         horizon=horizon,
         beta=beta,
         **SHAPINGS[how],

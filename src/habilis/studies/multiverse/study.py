@@ -3,13 +3,13 @@
 python -m habilis.studies.multiverse --out docs/multiverse --work multiverse
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import polars as pl
 
 from habilis.empowerment.core import empowerment
+from habilis.learning.convergence import MARGIN
 from habilis.learning.intervals import (
     bootstrap_interval,
     interquartile_mean,
@@ -17,17 +17,22 @@ from habilis.learning.intervals import (
 )
 from habilis.studies.multiverse import claims
 from habilis.studies.multiverse.optimum import return_of_the_best_policy
-from habilis.studies.multiverse.settings import BETAS, HORIZONS, SHAPINGS, WORLDS, Agent
-from habilis.studies.published import EXPERIMENTS
+from habilis.studies.multiverse.settings import (
+    BETAS,
+    HORIZONS,
+    SENSORS,
+    SHAPINGS,
+    WORLDS,
+    Agent,
+    paper_rows,
+)
 from habilis.studies.settings import frozen_settings
 from habilis.worlds.plans import solve
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import load_world
 
-_MARGIN = 0.9  # of the paper's criterion
 _INTERVAL = ("middle", "low", "high")
 _INFINITE = 1e30
-_SENSOR = {"FOE": "state", "TOE": "object"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,12 +66,10 @@ class Study:
 
     def changed(self) -> pl.DataFrame:
         """Claim, horizon and beta where the best policy is no longer good enough to converge."""
-        lost = self.optima.filter(pl.col("best_policy") < pl.col("best_return") - _MARGIN)
+        lost = self.optima.filter(pl.col("best_policy") < pl.col("best_return") - MARGIN)
         found = []
         for claim in claims.CLAIMS:
-            where = {k: v for k, v in claim.sooner.items() if k != "reward"}
-            where |= {"map": claim.sooner["map"]}
-            part = lost.filter(reward=claim.sooner["reward"], **where)  # pyright: ignore[reportArgumentType]
+            part = lost.filter(**claim.sooner)  # pyright: ignore[reportArgumentType]
             found.append(part.select(pl.lit(claim.name).alias("claim"), "horizon", "beta").unique())
         return pl.concat(found)
 
@@ -97,7 +100,7 @@ def optima() -> pl.DataFrame:
         assert plan is not None
         for reward in rewards:
             for horizon in HORIZONS:
-                bits = empowerment(mdp, horizon, _SENSOR[reward])
+                bits = empowerment(mdp, horizon, SENSORS[reward])
                 for beta in BETAS:
                     found.append(
                         {"map": world, "tool": tool, "reward": reward}
@@ -146,7 +149,7 @@ def aggregate(runs: pl.DataFrame) -> pl.DataFrame:
     """
     found = []
     shaping = runs.filter(part="shaping")
-    betas = {(w, t, r): b for w, t, r, b in _paper_betas()}
+    betas = _paper_betas()
     for how in ("vanilla", *SHAPINGS):
         tasks = []
         for world, tool, _ in WORLDS:
@@ -179,7 +182,7 @@ def paper_curves(runs: pl.DataFrame) -> dict[str, dict[str, np.ndarray]]:
     first of its runs ends that was given up.
     """
     shaping = runs.filter(part="shaping", how="plain")
-    betas = {(w, t, r): b for w, t, r, b in _paper_betas()}
+    betas = _paper_betas()
     panels: dict[str, dict[str, np.ndarray]] = {}
     for world, tool, rewards in WORLDS:
         for reward in ("none", *rewards):
@@ -198,11 +201,9 @@ def _together(runs: pl.DataFrame) -> np.ndarray:
     return np.stack([np.pad(c, (0, max(0, length - len(c))), mode="edge")[:length] for c in curves])
 
 
-def _paper_betas() -> Iterator[tuple[str, str, str, float]]:
-    names = {"none": "none", "state": "FOE", "object": "TOE"}
-    for experiment in EXPERIMENTS:
-        for row in experiment.rows:
-            yield experiment.world, row.tool, names[row.intrinsic], row.beta
+def _paper_betas() -> dict[tuple[str, str, str], float]:
+    """By world, tool and reward."""
+    return {(world, tool, reward): beta for world, tool, reward, _, beta in paper_rows()}
 
 
 def iqm(counts: np.ndarray) -> tuple[float | None, float | None, float | None]:
