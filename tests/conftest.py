@@ -3,5 +3,7 @@
 import os
 import tempfile
 
-# Compiled programs are kept for the processes that tests start, and not in anyone's home.
-os.environ["JAX_COMPILATION_CACHE_DIR"] = tempfile.mkdtemp(prefix="habilis-tests-")
+# Values and compiled programs are kept for the processes that tests start, not in anyone's home.
+_CACHE = tempfile.mkdtemp(prefix="habilis-tests-")
+os.environ["JAX_COMPILATION_CACHE_DIR"] = _CACHE
+os.environ["XDG_CACHE_HOME"] = _CACHE

@@ -6,9 +6,11 @@
     bits = hb.empowerment(mdp, horizon=6, sensor="object")
 
 The learning half (`train`, `Config`, `reproduce`) is imported on first use and needs the extra
-`habilis[learn]`.
+`habilis[learn]`, as `EmpowermentReward` needs `habilis[gymnasium]`. Where Gymnasium is installed,
+the worlds are registered with it: `gymnasium.make("habilis/Corridor-v0")`.
 """
 
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from habilis.empowerment import empowerment
@@ -19,6 +21,7 @@ from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world, world_names
 
 if TYPE_CHECKING:
+    from habilis.envs.reward import EmpowermentReward as EmpowermentReward
     from habilis.learning.algorithms import A2C as A2C
     from habilis.learning.algorithms import PPO as PPO
     from habilis.learning.algorithms import QLearning as QLearning
@@ -43,23 +46,30 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
     "world_names",
 ]
 
-_LEARNING = {
+_LAZY = {  # by name, its module and the extra that it needs
     **dict.fromkeys(
-        ("A2C", "PPO", "QLearning", "SoftValueIteration"), "habilis.learning.algorithms"
+        ("A2C", "PPO", "QLearning", "SoftValueIteration"), ("habilis.learning.algorithms", "learn")
     ),
-    "Config": "habilis.learning.config",
-    "train": "habilis.learning.train",
-    "reproduce": "habilis.studies.reproduce",
+    "Config": ("habilis.learning.config", "learn"),
+    "train": ("habilis.learning.train", "learn"),
+    "reproduce": ("habilis.studies.reproduce", "learn"),
+    "EmpowermentReward": ("habilis.envs.reward", "gymnasium"),
 }
+
+if find_spec("gymnasium") is not None:
+    from habilis.registration import register
+
+    register()
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _LEARNING:
+    if name not in _LAZY:
         raise AttributeError(f"module 'habilis' has no attribute {name!r}")
     from habilis.extras import import_from
 
-    return getattr(import_from(_LEARNING[name], extra="learn"), name)
+    module, extra = _LAZY[name]
+    return getattr(import_from(module, extra), name)
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_LEARNING])
+    return sorted([*globals(), *_LAZY])

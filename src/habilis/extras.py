@@ -5,7 +5,7 @@ from types import ModuleType
 
 _OF_EXTRA = {
     "learn": ("jax", "jaxlib", "equinox", "optax", "jinja2", "filelock", "tensorboardX"),
-    "gymnasium": ("gymnasium",),
+    "gymnasium": ("gymnasium", "pygame"),
     "sweep": ("optuna", "ray"),
 }
 
@@ -15,7 +15,7 @@ class MissingExtraError(ImportError):
 
 
 def import_from(module: str, extra: str) -> ModuleType:
-    """Imports one of our modules that needs an extra.
+    """Imports a module that needs an extra, one of ours or of the extra itself.
 
     Raises:
         MissingExtraError: a package of the extra is not installed; the message says what to run.

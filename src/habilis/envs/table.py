@@ -1,19 +1,30 @@
 """A table as a Gymnasium environment."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
 import numpy as np
+from jaxtyping import Shaped
 
+from habilis.envs.observations import Observation, ranks
 from habilis.mdp import TabularMDP
+
+MAX_STEPS = 500
+"""Steps after which an episode is cut off, unless it is told otherwise."""
 
 
 class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     """A deterministic table, one step a look-up.
 
-    Observation: the value of each factor, counted from 0 among those that it has (`MultiDiscrete`).
-    Action: `Discrete`, the table's. Reward and termination are the table's; an episode is cut off
-    (truncated) after `max_steps`. Episodes begin in the table's start.
+    Observation: as told, by default the value of each factor, counted from 0 among those that it
+    has (`MultiDiscrete`). Action: `Discrete`, the table's. Reward and termination are the table's;
+    an episode is cut off (truncated) after `max_steps`. Episodes begin in the table's start. `info`
+    has the state's index as "state", and what the given columns say of the state.
+
+    Attributes:
+        mdp: the table.
+        state: the index of the state that the environment is in.
 
     Example:
         >>> import habilis as hb
@@ -23,36 +34,76 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         -1.0
     """
 
-    def __init__(self, mdp: TabularMDP, max_steps: int = 500):
+    def __init__(
+        self,
+        mdp: TabularMDP,
+        max_steps: int = MAX_STEPS,
+        *,
+        observation: Observation | None = None,
+        columns: Mapping[str, Shaped[np.ndarray, "S"]] | None = None,
+        slip: float = 0.0,
+    ):
         """
         Args:
             mdp: a deterministic table.
             max_steps: the length of an episode, at most.
+            observation: what is shown of a state.
+            columns: by name, a value for every state.
+            slip: the probability that an action drawn uniformly takes the place of the chosen one.
+
+        Raises:
+            ValueError: the table is stochastic, or a number is out of its range.
         """
-        factors = list(mdp.factors.values()) or [np.arange(mdp.states)]
-        ranked = [np.unique(labels, return_inverse=True) for labels in factors]
-        self._observations = np.stack([places for _, places in ranked], axis=1).astype(np.int64)
-        self._next_state = mdp.next_state.tolist()
-        self._reward = mdp.reward.astype(float).tolist()
-        self._terminal = mdp.terminal.tolist()
-        self._start, self._max_steps = mdp.start, max_steps
-        self._state, self._steps = mdp.start, 0
-        self.observation_space: Any = gymnasium.spaces.MultiDiscrete(
-            [len(values) for values, _ in ranked]
-        )
-        self.action_space: Any = gymnasium.spaces.Discrete(mdp.next_state.shape[1])
+        check_episode(max_steps, slip)
+        shown = ranks(mdp) if observation is None else observation
+        self.mdp = mdp
+        # Views, not lists: they give Python's own numbers as fast, and take no time to make.
+        self._next_state = mdp.next_state.reshape(-1).data
+        self._reward = mdp.reward.astype(np.float64).reshape(-1).data
+        self._terminal = mdp.terminal.data
+        self._columns = [(name, c.data) for name, c in (columns or {}).items()]
+        self._show, self._actions = shown.show, mdp.action_count
+        self._max_steps, self._slip = max_steps, slip
+        self.state, self._steps = mdp.start, 0
+        self.observation_space: Any = shown.space
+        self.action_space: Any = gymnasium.spaces.Discrete(mdp.action_count)
+
+    @property
+    def dynamics(self) -> TabularMDP:
+        """The table with its slip."""
+        return self.mdp.slippery(self._slip)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         super().reset(seed=seed)
-        self._state, self._steps = self._start, 0
-        return self._observations[self._state].copy(), {"state": self._state}
+        self.state, self._steps = self.mdp.start, 0
+        return self._show(self.state), self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        reward = self._reward[self._state][action]
-        self._state = state = self._next_state[self._state][action]
+        chosen = int(action)
+        if not 0 <= chosen < self._actions:
+            raise ValueError(f"action is {action!r}; use 0 to {self._actions - 1}")
+        if self._slip and self.np_random.random() < self._slip:
+            chosen = int(self.np_random.integers(self._actions))
+        transition = self.state * self._actions + chosen
+        self.state = state = self._next_state[transition]
         self._steps += 1
-        terminated = self._terminal[state]
-        truncated = not terminated and self._steps >= self._max_steps
-        return self._observations[state].copy(), reward, terminated, truncated, {"state": state}
+        ended: Any = self._terminal[state]
+        cut = not ended and self._steps >= self._max_steps
+        return self._show(state), self._reward[transition], ended, cut, self._info()
+
+    def _info(self) -> dict[str, Any]:
+        state = self.state
+        info: dict[str, Any] = {"state": state}
+        for name, column in self._columns:
+            info[name] = column[state]
+        return info
+
+
+def check_episode(max_steps: int, slip: float) -> None:
+    """Raises ValueError: a number is out of its range."""
+    if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:
+        raise ValueError(f"max_steps is {max_steps!r}; give a whole number of at least 1")
+    if isinstance(slip, bool) or not isinstance(slip, int | float) or not 0 <= slip <= 1:
+        raise ValueError(f"slip is {slip!r}; give a probability from 0 to 1")

@@ -36,7 +36,7 @@ def table_of(
                 f"the table P has {len(table):,} states, more than {max_states:,}; raise max_states"
             )
         return table_of_dict(inner)
-    return enumerate_states(env, max_states, seed, key, factors, show_progress)
+    return enumerate_states(env, max_states, seed, key, factors, show_progress).mdp
 
 
 def table_named(

@@ -14,6 +14,22 @@ from habilis.gymnasium_tables.identity import frozen, identity, keep_counters
 from habilis.gymnasium_tables.minigrid import is_minigrid, minigrid_factors
 from habilis.mdp import TabularMDP
 
+
+@dataclass(frozen=True)
+class Enumerated:
+    """All states of an environment that can be reached.
+
+    Attributes:
+        mdp: their table.
+        place: the index of each state in it, by its mark.
+        mark: from an (unwrapped) environment to the mark of the state that it is in.
+    """
+
+    mdp: TabularMDP
+    place: Mapping[Hashable, int]
+    mark: Callable[[Any], Hashable]
+
+
 _RETRIES = 4  # of a step that drew random numbers, each with others
 
 
@@ -24,7 +40,7 @@ def enumerate_states(
     key: Callable[[Any], Hashable] | None,
     factors: Mapping[str, Callable[[Any], int]] | None,
     show_progress: bool,
-) -> TabularMDP:
+) -> Enumerated:
     """Breadth first from one state; see `TabularMDP.from_gymnasium`."""
     actions = _action_count(env)
     with _first_state(env, seed) as (first, saved), _progress(show_progress) as tell:
@@ -61,7 +77,8 @@ def enumerate_states(
         named = minigrid_factors(map(saved.load, found)) if is_minigrid(first) else {}
         for name, label in (factors or {}).items():
             named[name] = _labels(name, [label(saved.load(state)) for state in found])
-        return replace(mdp, factors=named, actions=_action_names(first, actions))
+        mdp = replace(mdp, factors=named, actions=_action_names(first, actions))
+        return Enumerated(mdp, place, mark)
 
 
 def _action_count(env: Any) -> int:

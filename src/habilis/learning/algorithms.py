@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from habilis.learning.checks import (
+from habilis.checks import (
     above_zero,
     at_least,
     check_types,

@@ -1,9 +1,8 @@
 """Compiled programs, kept from one process to the next."""
 
-import os
-from pathlib import Path
-
 import jax
+
+from habilis.cache import cache_folder
 
 _PLACE = "jax_compilation_cache_dir"
 
@@ -15,5 +14,4 @@ def keep_compiled() -> None:
     `JAX_COMPILATION_CACHE_DIR` names another place, `JAX_ENABLE_COMPILATION_CACHE=false` is none.
     """
     if getattr(jax.config, _PLACE) is None:
-        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        jax.config.update(_PLACE, str(Path(home) / "habilis"))
+        jax.config.update(_PLACE, str(cache_folder()))

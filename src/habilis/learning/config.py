@@ -3,14 +3,13 @@
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from habilis.checks import as_in, at_least, check_types, setting
+from habilis.empowerment.bonus import Bonus
 from habilis.learning.algorithms import A2C, ALGORITHMS, Algorithm, name_of
-from habilis.learning.checks import above_zero, at_least, check_types, one_of, setting
 
 NO_INTRINSIC = "none"
 COUNT, DISTILLATION = "count", "rnd"
 NOVELTIES = (COUNT, DISTILLATION)
-SCHEDULES = ("constant", "linear", "exponential")
-EARNED = ("next", "current", "difference")
 
 
 @dataclass(frozen=True)
@@ -39,21 +38,12 @@ class Config:
         '"count", 1 / sqrt(visits of the state); "rnd", random network distillation; or "none"',
     )
     horizon: int = setting(0, "horizon of that empowerment, in actions")
-    beta: float = setting(
-        0.0, "weight of that reward: the agent learns from reward + beta * bits(next state)"
-    )
-    beta_schedule: str = setting("constant", f"how beta goes on: {', '.join(SCHEDULES)}")
-    beta_steps: int = setting(
-        0, "environment steps after which beta is 0 (linear) or has halved (exponential)"
-    )
-    earned: str = setting(
-        "next",
-        "whose value is added: the next state's, the current one's, or the difference "
-        "discount * next - current, a potential, which leaves the best policy alone where beta and "
-        "the values do not change",
-    )
-    terminal_bonus: bool = setting(True, "whether entering a terminal state earns it too")
-    extrinsic: bool = setting(True, "whether the agent learns from the world's reward at all")
+    beta: float = as_in(Bonus, "beta")
+    beta_schedule: str = as_in(Bonus, "beta_schedule")
+    beta_steps: int = as_in(Bonus, "beta_steps")
+    earned: str = as_in(Bonus, "earned")
+    terminal_bonus: bool = as_in(Bonus, "terminal_bonus")
+    extrinsic: bool = as_in(Bonus, "extrinsic")
     runs: int = setting(10, "independent runs")
     seed: int = setting(0, "where the runs' random numbers start")
     episodes: int = setting(100_000, "episodes after which a run is given up")
@@ -69,11 +59,7 @@ class Config:
         if self.tool is not None and not isinstance(self.tool, str):
             raise ValueError(f"tool is {self.tool!r}; give its name")
         at_least(self, horizon=0, runs=1, seed=0, episodes=1, steps=1, episode_limit=1)
-        at_least(self, beta_steps=0)
-        one_of(self, "beta_schedule", SCHEDULES)
-        one_of(self, "earned", EARNED)
-        if self.beta_schedule != "constant":
-            above_zero(self, "beta_steps")
+        _ = self.bonus  # which refuses what is out of its range
         if self.seed >= 2**32:
             raise ValueError(f"seed is {self.seed}; give one below {2**32}")
         if self.algorithm.rollout > self.episode_limit:
@@ -92,6 +78,11 @@ class Config:
                 f"intrinsic is {self.intrinsic!r} and horizon 0, which is worth nothing; give a "
                 "horizon of at least 1"
             )
+
+    @property
+    def bonus(self) -> Bonus:
+        """How the intrinsic reward is added."""
+        return Bonus(**{f.name: getattr(self, f.name) for f in fields(Bonus)})
 
     @property
     def regularised(self) -> bool:

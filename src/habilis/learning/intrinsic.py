@@ -9,6 +9,7 @@ import optax
 from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from habilis.empowerment import empowerment
+from habilis.empowerment.bonus import regularised
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Numbers
@@ -44,19 +45,7 @@ def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
 
 def weights(config: Config) -> dict[str, float]:
     """What a configuration says of its rewards, in numbers."""
-    over = max(config.beta_steps, 1)
-    return {
-        "beta": config.beta,
-        "beta_falls": 1 / over if config.beta_schedule == "linear" else 0.0,
-        "beta_halves": 1 / over if config.beta_schedule == "exponential" else 0.0,
-        "of_next": {"next": 1.0, "current": 0.0, "difference": config.algorithm.discount}[
-            config.earned
-        ],
-        "of_current": {"next": 0.0, "current": 1.0, "difference": -1.0}[config.earned],
-        # A potential must be 0 where nothing follows, or it would change the best policy.
-        "of_terminal": float(config.terminal_bonus and config.earned != "difference"),
-        "extrinsic": float(config.extrinsic),
-    }
+    return config.bonus.numbers(config.algorithm.discount)
 
 
 def start(kind: str, task: Task, rows: int, key: PRNGKeyArray) -> Any:
@@ -112,20 +101,9 @@ def reward(
     terminated: Array,
     taken: Float[Array, ""],
 ) -> Float[Array, "*n"]:
-    """What the agent learns from, after so many environment steps.
-
-    scale * (r + beta * M(s'))        or, as the configuration has it, M(s), gamma M(s') - M(s)
-    """
-    beta = beta_after(numbers, taken)
-    entered = jnp.where(terminated, numbers["of_terminal"], 1.0) * numbers["of_next"] * of_next
-    bonus = entered + numbers["of_current"] * of_current
-    return numbers["reward_scale"] * (numbers["extrinsic"] * extrinsic + beta * bonus)
-
-
-def beta_after(numbers: Numbers, taken: Float[Array, ""]) -> Float[Array, ""]:
-    """The weight of the intrinsic reward after so many environment steps."""
-    fallen = jnp.maximum(0.0, 1 - taken * numbers["beta_falls"])
-    return numbers["beta"] * fallen * jnp.exp2(-taken * numbers["beta_halves"])
+    """What the agent learns from, after so many environment steps: `regularised`, scaled."""
+    worth = regularised(numbers, extrinsic, of_next, of_current, terminated, taken, jnp)
+    return numbers["reward_scale"] * worth
 
 
 def _distance(one: Network, other: Network, inputs: Int[Array, "*n factors"]):

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from habilis.empowerment.bonus import beta_after
 from habilis.learning import intrinsic
 from habilis.learning.algorithms import A2C, PPO
 from habilis.learning.jobs import Job
@@ -73,4 +74,4 @@ def _measured(
         log_policy = jax.nn.log_softmax(logits)
         entropy = -(jnp.exp(log_policy) * log_policy).sum(axis=-1).mean()
     bonus = intrinsic.values(program.intrinsic, lane.novelty, settings.table, task, reached).mean()
-    return entropy, bonus, intrinsic.beta_after(settings.numbers, taken)
+    return entropy, bonus, beta_after(settings.numbers, taken, jnp)

@@ -22,6 +22,12 @@ def setting(default: Value, text: str, static: bool = False) -> Value:
     return field(default=default, metadata={"help": text, "static": static})
 
 
+def as_in(kind: Any, name: str) -> Any:
+    """The same setting as another dataclass has: its default and its description."""
+    (same,) = (f for f in fields(kind) if f.name == name)
+    return field(default=same.default, metadata=same.metadata)
+
+
 def check_types(settings: Any) -> None:
     """Refuses values that are not of their field's type, or no finite numbers."""
     for f in fields(settings):

@@ -1,0 +1,82 @@
+"""What was computed once, kept on disk by what it was computed from."""
+
+import hashlib
+import io
+import os
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+_DIGEST = hashlib.sha256
+
+
+def cache_folder() -> Path:
+    """Where things are kept: `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`."""
+    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(home) / "habilis"
+
+
+def fingerprint(*parts: Any) -> str:
+    """A name for contents: equal for equal arrays, numbers and texts, and for no others.
+
+    Args:
+        parts: arrays, scipy.sparse arrays, or what `repr` says all of.
+    """
+    digest = _DIGEST()
+    for part in parts:
+        if hasattr(part, "indptr"):
+            digest.update(fingerprint(part.shape, part.data, part.indices, part.indptr).encode())
+        elif isinstance(part, np.ndarray):
+            digest.update(f"{part.dtype.str}{part.shape};".encode())
+            digest.update(np.ascontiguousarray(part).data)
+        else:
+            digest.update(f"{type(part).__name__} {part!r};".encode())
+    return digest.hexdigest()
+
+
+def kept(name: str, compute: Callable[[], np.ndarray], folder: Path | None = None) -> np.ndarray:
+    """An array by its name: from the disk, or computed and put there.
+
+    A file that is damaged is made again; where none can be written, nothing is kept.
+
+    Args:
+        name: such as a `fingerprint`.
+        compute: makes the array.
+        folder: where it is kept; by default `cache_folder()`.
+    """
+    path = (cache_folder() if folder is None else folder) / f"{name}.npy"
+    try:
+        return _read(path)
+    except (OSError, ValueError, EOFError):
+        array = compute()
+    with suppress(OSError):  # a full disk is no reason to have no values
+        _write(array, path)
+    return array
+
+
+def _write(array: np.ndarray, path: Path) -> None:
+    content = io.BytesIO()
+    np.save(content, array, allow_pickle=False)
+    content.write(_DIGEST(content.getbuffer()).digest())
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # Under a name of its own: other processes may be at the same values.
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content.getbuffer())
+        Path(temporary).replace(path)
+    finally:
+        Path(temporary).unlink(missing_ok=True)
+
+
+def _read(path: Path) -> np.ndarray:
+    """Raises: ValueError: the bytes are not those that were written."""
+    content = path.read_bytes()
+    size = _DIGEST().digest_size
+    if _DIGEST(memoryview(content)[:-size]).digest() != content[-size:]:
+        raise ValueError("its checksum is another")
+    return np.load(io.BytesIO(content), allow_pickle=False)

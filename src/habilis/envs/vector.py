@@ -1,0 +1,188 @@
+"""Many copies of a table at once as a Gymnasium vector environment: a step is a few look-ups."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from jaxtyping import Bool, Int64, Shaped
+
+from habilis.envs.observations import Observation, ranks
+from habilis.envs.table import MAX_STEPS, check_episode
+from habilis.mdp import TabularMDP
+
+Stepped = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]
+
+
+class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
+    """N environments on one deterministic table; each is a `TableEnv`.
+
+    What happens after the last step of an episode goes by Gymnasium's autoreset modes:
+    `NEXT_STEP`, the step that follows leaves its action aside, begins the next episode and has
+    reward 0; `SAME_STEP`, the observation is already the next episode's first, and
+    `info["final_obs"]` and `info["final_info"]` have the last; `DISABLED`, the caller resets with
+    `options={"reset_mask": ...}`.
+
+    Attributes:
+        mdp: the table.
+        state: int64[N], the states that the environments are in.
+
+    Example:
+        >>> import habilis as hb
+        >>> envs = TableVectorEnv(hb.tabulate(hb.load_world("yard")), num_envs=3)
+        >>> observations, info = envs.reset(seed=0)
+        >>> envs.step(np.array([0, 1, 2]))[1]
+        array([-1., -1., -1.])
+    """
+
+    def __init__(
+        self,
+        mdp: TabularMDP,
+        num_envs: int,
+        max_steps: int = MAX_STEPS,
+        *,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        observation: Observation | None = None,
+        columns: Mapping[str, Shaped[np.ndarray, "S"]] | None = None,
+        slip: float = 0.0,
+    ):
+        """
+        Args:
+            mdp: a deterministic table.
+            num_envs: N.
+            max_steps: the length of an episode, at most.
+            autoreset_mode: Gymnasium's, or its name: "NextStep", "SameStep", "Disabled".
+            observation, columns, slip: as in `TableEnv`.
+
+        Raises:
+            ValueError: the table is stochastic, a number is out of its range, or there is no
+                such mode.
+        """
+        check_episode(max_steps, slip)
+        if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
+            raise ValueError(f"num_envs is {num_envs!r}; give a whole number of at least 1")
+        shown = ranks(mdp) if observation is None else observation
+        self.mdp, self.num_envs = mdp, num_envs
+        self._mode = AutoresetMode(autoreset_mode)
+        self.metadata = self.metadata | {"autoreset_mode": self._mode}
+        self._next_state = mdp.next_state.reshape(-1)
+        self._reward = mdp.reward.astype(np.float64).reshape(-1)
+        self._terminal = mdp.terminal
+        self._columns = dict(columns or {})
+        self._show, self._actions = shown.show, mdp.action_count
+        self._max_steps, self._slip = max_steps, slip
+        self.single_observation_space: Any = shown.space
+        self.single_action_space: Any = gymnasium.spaces.Discrete(mdp.action_count)
+        self.observation_space: Any = batch_space(shown.space, num_envs)
+        self.action_space: Any = batch_space(self.single_action_space, num_envs)
+        self._restart(np.ones(num_envs, bool))
+
+    @property
+    def dynamics(self) -> TabularMDP:
+        """The table with its slip."""
+        return self.mdp.slippery(self._slip)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begins new episodes, in all environments or where `options["reset_mask"]` is true.
+
+        Raises:
+            ValueError: the mask is not a bool for every environment.
+        """
+        super().reset(seed=seed)
+        mask = (options or {}).get("reset_mask")
+        if mask is None:
+            self._restart(np.ones(self.num_envs, bool))
+        elif (
+            not isinstance(mask, np.ndarray) or mask.shape != (self.num_envs,) or mask.dtype != bool
+        ):
+            raise ValueError(f"reset_mask is {mask!r}; give an array of {self.num_envs} bools")
+        else:
+            self._restart(mask)
+        return self._show(self.state), self._info()
+
+    def step(self, actions: Any) -> Stepped:
+        chosen = self._checked(actions)
+        if self._mode is AutoresetMode.DISABLED and self._any:
+            raise ValueError(
+                f"environment {int(np.argmax(self._ended))} has come to its end; "
+                'reset it first, with options={"reset_mask": ...}'
+            )
+        begins = self._ended if self._mode is AutoresetMode.NEXT_STEP and self._any else None
+        transition = self.state * self._actions
+        transition += chosen
+        after = self._next_state.take(transition)
+        rewards = self._reward.take(transition)
+        self._steps += 1
+        if begins is not None:  # these make no step: their next episode begins
+            after[begins], rewards[begins], self._steps[begins] = self.mdp.start, 0.0, 0
+        terminated = self._terminal.take(after)
+        truncated = self._steps >= self._max_steps
+        truncated &= ~terminated
+        if begins is not None:
+            terminated[begins] = truncated[begins] = False
+        self.state = after.astype(np.int64)
+        self._ended = terminated | truncated
+        self._any = bool(self._ended.any())
+        final: dict[str, Any] = {}
+        if self._any and self._mode is AutoresetMode.SAME_STEP:
+            final = self._final(self._ended)
+            self._restart(self._ended)
+        return self._show(self.state), rewards, terminated, truncated, self._info() | final
+
+    def _checked(self, actions: Any) -> Int64[np.ndarray, "N"]:
+        """The actions, some of them drawn anew where there is slip."""
+        chosen = np.asarray(actions)
+        if chosen.shape != (self.num_envs,) or chosen.dtype.kind not in "iu":
+            raise ValueError(
+                f"actions have shape {chosen.shape} and type {chosen.dtype}; "
+                f"give {self.num_envs} whole numbers"
+            )
+        # As unsigned numbers negative ones are large: one comparison for both ends.
+        if chosen.astype(np.uint64).max() >= self._actions:
+            wrong = int(np.argmax((chosen < 0) | (chosen >= self._actions)))
+            raise ValueError(
+                f"action {chosen[wrong]} of environment {wrong} is unknown; "
+                f"use 0 to {self._actions - 1}"
+            )
+        if self._slip:
+            slips = self.np_random.random(self.num_envs) < self._slip
+            drawn = self.np_random.integers(self._actions, size=self.num_envs)
+            return np.where(slips, drawn, chosen)
+        return chosen
+
+    def _restart(self, mask: Bool[np.ndarray, "N"]) -> None:
+        if mask.all():
+            self.state = np.full(self.num_envs, self.mdp.start, np.int64)
+            self._steps = np.zeros(self.num_envs, np.int64)
+            self._ended = np.zeros(self.num_envs, bool)
+        else:
+            self.state[mask], self._steps[mask], self._ended[mask] = self.mdp.start, 0, False
+        self._any = bool(self._ended.any())
+
+    def _info(self) -> dict[str, Any]:
+        """As of one environment, each an array, and beside it for which environments it is told."""
+        info: dict[str, Any] = {"state": self.state.copy()}
+        for name, column in self._columns.items():
+            info[name] = column.take(self.state)
+        info.update({f"_{name}": np.ones(self.num_envs, bool) for name in tuple(info)})
+        return info
+
+    def _final(self, mask: Bool[np.ndarray, "N"]) -> dict[str, Any]:
+        """The last observations and infos of episodes that end, as Gymnasium's own have them."""
+        observations = np.full(self.num_envs, None, dtype=object)
+        for number, shown in zip(np.flatnonzero(mask), self._show(self.state[mask]), strict=True):
+            observations[number] = shown
+        info = {
+            name: mask.copy() if name.startswith("_") else np.where(mask, value, 0)
+            for name, value in self._info().items()
+        }
+        return {
+            "final_obs": observations,
+            "_final_obs": mask.copy(),
+            "final_info": info,
+            "_final_info": mask.copy(),
+        }

@@ -1,0 +1,264 @@
+"""The worlds as Gymnasium environments, one at a time and many at once."""
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from jaxtyping import Shaped, UInt8
+
+from habilis.empowerment.keeping import kept_empowerment
+from habilis.envs.observations import Observation, Show, frames, observation
+from habilis.envs.screen import Screen
+from habilis.envs.table import MAX_STEPS, TableEnv
+from habilis.envs.vector import TableVectorEnv
+from habilis.mdp import TabularMDP
+from habilis.worlds.table import placement, tabulate
+from habilis.worlds.world import AGENT, GOAL, OBJECT, World, load_world
+
+Measures = Mapping[str, Mapping[str, Any]]
+"""By name, the arguments of `habilis.empowerment`: {"toe": {"horizon": 6, "sensor": "object"}}."""
+
+_MODES = ("ansi", "rgb_array", "human")
+_FRAMES_A_SECOND = 4
+_CELL = 32  # pixels a cell of a rendered picture
+
+
+class WorldEnv(TableEnv):
+    """A world of agent, tool and can as a Gymnasium environment.
+
+    Actions: `Discrete(8)`, 0 to 3 move the agent north, east, south, west, 4 to 7 put the tool on
+    that side of it; without a tool `Discrete(4)`. Reward: -1 a step, and 0 for the one that brings
+    the can into the goal, which terminates the episode. After `max_steps` it is truncated.
+
+    `info` has "state" (the index in `mdp`), "equipped" and "attached" (bool), and the bits of each
+    measure that was asked for, by its name.
+
+    Attributes:
+        world: the map.
+        mdp: its table.
+        state: the index of the state that the environment is in.
+
+    Example:
+        >>> import gymnasium, habilis
+        >>> toe = {"horizon": 3, "sensor": "object"}
+        >>> env = gymnasium.make("habilis/Yard-v0", tool="broom", measures={"toe": toe})
+        >>> observation, info = env.reset(seed=0)
+        >>> observation, info["equipped"], info["toe"]
+        (array([20, 30, 83]), True, 0.0)
+    """
+
+    metadata = {"render_modes": list(_MODES), "render_fps": _FRAMES_A_SECOND}  # noqa: RUF012  # as Gymnasium has it
+
+    def __init__(
+        self,
+        world: World | str | Path,
+        tool: str | None = None,
+        max_steps: int = MAX_STEPS,
+        observation: str = "factors",
+        measures: Measures | None = None,
+        slip: float = 0.0,
+        render_mode: str | None = None,
+    ):
+        """
+        Args:
+            world: a world, a built-in one's name, the path of a map, or the text of one.
+            tool: takes the place of the map's own; `None` keeps that.
+            max_steps: the length of an episode, at most.
+            observation: "factors", `MultiDiscrete`, the cells of agent, tool and object, each
+                `row * columns + column`; "onehot", the same as zeros and ones; "grid", uint8
+                `[channels, rows, columns]`; or "rgb", a picture. See `observations.observation`.
+            measures: by name, arguments of `habilis.empowerment`, whose bits `info` then has.
+            slip: the probability that an action drawn uniformly takes the place of the chosen one.
+            render_mode: "ansi", "rgb_array", "human" (a window), or `None`.
+
+        Raises:
+            ValueError: no such world, tool, observation, measure or mode, or a number is out of
+                its range.
+        """
+        scene = Scene.of(world, tool, observation, measures, slip, render_mode)
+        super().__init__(
+            scene.mdp,
+            max_steps,
+            observation=scene.observation,
+            columns=scene.columns,
+            slip=slip,
+        )
+        self.world, self.render_mode, self._scene = scene.world, render_mode, scene
+        self._screen: Screen | None = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        begun = super().reset(seed=seed, options=options)
+        if self.render_mode == "human":
+            self.render()
+        return begun
+
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        stepped = super().step(action)
+        if self.render_mode == "human":
+            self.render()
+        return stepped
+
+    def render(self) -> Any:
+        """The state as coloured text, as pixels, or in the window, as `render_mode` has it."""
+        if self.render_mode is None:
+            gymnasium.logger.warn('render() draws nothing: make it with render_mode="rgb_array"')
+            return None
+        if self.render_mode == "ansi":
+            return self._scene.text(self.state)
+        picture = self._scene.picture(self.state)
+        if self.render_mode == "rgb_array":
+            return picture
+        if self._screen is None:
+            self._screen = Screen(f"habilis: {self.world.name}", _FRAMES_A_SECOND)
+        self._screen.show(picture)
+        return None
+
+    def close(self) -> None:
+        if self._screen is not None:
+            self._screen.close()
+            self._screen = None
+
+
+class WorldVectorEnv(TableVectorEnv):
+    """Many environments on one world at once; each is a `WorldEnv`.
+
+    Made by `gymnasium.make_vec("habilis/Corridor-v0", num_envs=1024)` too. See `TableVectorEnv` for
+    the autoreset modes. `render` is a tuple of one picture (or text) an environment.
+
+    Attributes:
+        world: the map.
+        mdp: its table.
+        state: int64[N], the states that the environments are in.
+
+    Example:
+        >>> envs = WorldVectorEnv(num_envs=2, world="corridor", autoreset_mode="SameStep")
+        >>> envs.reset(seed=0)[1]["equipped"]
+        array([False, False])
+    """
+
+    metadata = {"render_modes": ["ansi", "rgb_array"], "render_fps": _FRAMES_A_SECOND}  # noqa: RUF012  # as Gymnasium has it
+
+    def __init__(
+        self,
+        num_envs: int,
+        world: World | str | Path,
+        tool: str | None = None,
+        max_steps: int = MAX_STEPS,
+        observation: str = "factors",
+        measures: Measures | None = None,
+        slip: float = 0.0,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    ):
+        """
+        Args:
+            num_envs: N.
+            world, tool, max_steps, observation, measures, slip: as in `WorldEnv`.
+            render_mode: "ansi", "rgb_array", or `None`.
+            autoreset_mode: Gymnasium's, or its name: "NextStep", "SameStep", "Disabled".
+
+        Raises:
+            ValueError: as in `WorldEnv`, or there is no such mode.
+        """
+        if render_mode == "human":
+            raise ValueError('render_mode "human" is for one environment; use "rgb_array"')
+        scene = Scene.of(world, tool, observation, measures, slip, render_mode)
+        super().__init__(
+            scene.mdp,
+            num_envs,
+            max_steps,
+            autoreset_mode=autoreset_mode,
+            observation=scene.observation,
+            columns=scene.columns,
+            slip=slip,
+        )
+        self.world, self.render_mode, self._scene = scene.world, render_mode, scene
+
+    def render(self) -> tuple[Any, ...] | None:
+        if self.render_mode is None:
+            gymnasium.logger.warn('render() draws nothing: make it with render_mode="rgb_array"')
+            return None
+        if self.render_mode == "ansi":
+            return tuple(self._scene.text(int(state)) for state in self.state)
+        return tuple(self._scene.picture(self.state))
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A world as its environments need it.
+
+    Attributes:
+        world: the map.
+        mdp: its table.
+        observation: what is shown.
+        columns: what `info` says of every state.
+        draw: makes pictures, if they were asked for.
+    """
+
+    world: World
+    mdp: TabularMDP
+    observation: Observation
+    columns: dict[str, Shaped[np.ndarray, "S"]]
+    draw: Show | None
+
+    @classmethod
+    def of(
+        cls,
+        world: World | str | Path,
+        tool: str | None,
+        shown: str,
+        measures: Measures | None,
+        slip: float,
+        render_mode: str | None,
+    ) -> "Scene":
+        if render_mode is not None and render_mode not in _MODES:
+            raise ValueError(
+                f"render_mode {render_mode!r} is unknown; use one of {', '.join(_MODES)}"
+            )
+        found = _world(world)
+        found = found if tool is None else found.with_tool(tool)
+        mdp = tabulate(found)
+        columns: dict[str, np.ndarray] = dict(mdp.flags)
+        for name, arguments in (measures or {}).items():
+            if name in columns or name == "state":
+                raise ValueError(f"measure {name!r} is what info has already; give another name")
+            columns[name] = kept_empowerment(mdp.slippery(slip), **arguments)
+        draw = None if render_mode in (None, "ansi") else frames(mdp, found, _CELL)
+        return cls(found, mdp, observation(shown, mdp, found), columns, draw)
+
+    def text(self, state: int) -> str:
+        """The map in the colours of a terminal, two characters a cell."""
+        from rich.console import Console
+
+        from habilis.worlds.pictures import colored_text
+
+        terminal = Console(
+            file=io.StringIO(), force_terminal=True, color_system="truecolor", highlight=False
+        )
+        with terminal.capture() as captured:
+            terminal.print(colored_text(placement(self.world, self.mdp, state)), soft_wrap=True)
+        return captured.get()
+
+    def picture(self, states: Any) -> UInt8[np.ndarray, "*n height width 3"]:
+        assert self.draw is not None, "pictures are made in the modes that show them"
+        return self.draw(states)
+
+
+def _world(world: World | str | Path) -> World:
+    """A world as it is, by its name or path, or from its text."""
+    if isinstance(world, World):
+        return world
+    if isinstance(world, str) and ("\n" in world or {AGENT, OBJECT, GOAL} <= set(world)):
+        try:
+            return World.parse(world)
+        except ValueError:
+            if "\n" in world:
+                raise
+    return load_world(world)

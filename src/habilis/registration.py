@@ -1,0 +1,18 @@
+"""The names by which `gymnasium.make` knows the worlds."""
+
+import gymnasium
+from gymnasium.envs.registration import registry
+
+_WORLDS = {"Corridor": {"world": "corridor"}, "Yard": {"world": "yard"}, "World": {}}
+
+
+def register() -> None:
+    """Registers "habilis/Corridor-v0", "habilis/Yard-v0" and "habilis/World-v0"."""
+    for name, arguments in _WORLDS.items():
+        if f"habilis/{name}-v0" not in registry:
+            gymnasium.register(
+                f"habilis/{name}-v0",
+                entry_point="habilis.envs.world:WorldEnv",
+                vector_entry_point="habilis.envs.world:WorldVectorEnv",
+                kwargs=arguments,
+            )
