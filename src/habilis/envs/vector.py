@@ -65,7 +65,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             raise ValueError(f"num_envs is {num_envs!r}; give a whole number of at least 1")
         shown = ranks(mdp) if observation is None else observation
         self.mdp, self.num_envs = mdp, num_envs
-        self._mode = AutoresetMode(autoreset_mode)
+        self._mode = _mode(autoreset_mode)
         self.metadata = self.metadata | {"autoreset_mode": self._mode}
         self._next_state = mdp.next_state.reshape(-1)
         self._reward = mdp.reward.astype(np.float64).reshape(-1)
@@ -177,7 +177,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         for number, shown in zip(np.flatnonzero(mask), self._show(self.state[mask]), strict=True):
             observations[number] = shown
         info = {
-            name: mask.copy() if name.startswith("_") else np.where(mask, value, 0)
+            name: mask.copy() if name.startswith("_") else np.where(mask, value, value.dtype.type(0))
             for name, value in self._info().items()
         }
         return {
@@ -186,3 +186,11 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             "final_info": info,
             "_final_info": mask.copy(),
         }
+
+
+def _mode(given: AutoresetMode | str) -> AutoresetMode:
+    try:
+        return AutoresetMode(given)
+    except ValueError:
+        known = ", ".join(mode.value for mode in AutoresetMode)
+        raise ValueError(f"autoreset_mode {given!r} is unknown; use one of {known}") from None

@@ -229,7 +229,13 @@ class Scene:
         for name, arguments in (measures or {}).items():
             if name in columns or name == "state":
                 raise ValueError(f"measure {name!r} is what info has already; give another name")
-            columns[name] = kept_empowerment(mdp.slippery(slip), **arguments)
+            try:
+                columns[name] = kept_empowerment(mdp.slippery(slip), **arguments)
+            except (TypeError, ValueError) as error:
+                raise ValueError(
+                    f"measure {name!r}: {error}; give the arguments of habilis.empowerment, as "
+                    '{"horizon": 6, "sensor": "object"}'
+                ) from None
         draw = None if render_mode in (None, "ansi") else frames(mdp, found, _CELL)
         return cls(found, mdp, observation(shown, mdp, found), columns, draw)
 
