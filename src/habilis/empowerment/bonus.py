@@ -53,7 +53,12 @@ class Bonus:
 
         Args:
             discount: gamma, in the difference gamma M(s') - M(s) (Ng, Harada and Russell 1999).
+
+        Raises:
+            ValueError: discount is not from 0 to 1.
         """
+        if not 0 <= discount <= 1:
+            raise ValueError(f"discount is {discount!r}; give a number from 0 to 1")
         over = max(self.beta_steps, 1)
         return {
             "beta": self.beta,

@@ -108,5 +108,14 @@ def _pictures(mdp: TabularMDP, world: World) -> Observation:
 
 
 def frames(mdp: TabularMDP, world: World, cell: int) -> Show:
-    """Pictures of states, uint8 `[..., cell * rows, cell * columns, 3]`."""
-    raise NotImplementedError
+    """Pictures of states, uint8 `[cell * rows, cell * columns, 3]`, of several with N in front."""
+    from habilis.worlds.tiles import Tiles
+
+    tiles = Tiles.of(world, cell)
+
+    def show(states: Any) -> np.ndarray:
+        cells = {name: labels[np.atleast_1d(states)] for name, labels in mdp.factors.items()}
+        pictures = tiles.frames(cells["agent"], cells.get("tool"), cells["object"])
+        return pictures if np.ndim(states) else pictures[0]
+
+    return show

@@ -43,7 +43,7 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         (0.281, 0, 2.81)
     """
 
-    def __new__(cls, env: Any, *args: Any, **kwargs: Any) -> Any:
+    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:  # copies give no env
         if isinstance(env, VectorEnv):
             return VectorEmpowermentReward(env, *args, **kwargs)
         return super().__new__(cls)

@@ -176,10 +176,9 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         observations = np.full(self.num_envs, None, dtype=object)
         for number, shown in zip(np.flatnonzero(mask), self._show(self.state[mask]), strict=True):
             observations[number] = shown
-        info = {
-            name: mask.copy() if name.startswith("_") else np.where(mask, value, value.dtype.type(0))
-            for name, value in self._info().items()
-        }
+        info = self._info()
+        for value in info.values():  # the masks among them
+            value[~mask] = 0
         return {
             "final_obs": observations,
             "_final_obs": mask.copy(),

@@ -1,0 +1,277 @@
+"""Empowerment in the reward of any environment."""
+
+import warnings
+from importlib import import_module
+
+import gymnasium
+import jax.numpy as jnp
+import minigrid  # noqa: F401  # registers its environments
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
+from gymnasium.wrappers import RecordEpisodeStatistics
+from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordVectorStatistics
+from minigrid.wrappers import ImgObsWrapper
+
+import habilis as hb
+from habilis.envs import EmpowermentReward, VectorEmpowermentReward, WorldEnv, WorldVectorEnv
+from habilis.learning import intrinsic
+from habilis.learning.task import make_task
+
+TEXT = "AP.CG\n.....\n"
+TOE = {"horizon": 2, "sensor": "object", "beta": 0.5}
+OTHERS = [
+    ("FrozenLake-v1", {}, "state"),
+    ("FrozenLake-v1", {"is_slippery": False}, "agent"),
+    ("CliffWalking-v1", {}, "agent"),
+    ("Taxi-v4", {}, "passenger"),
+    ("MiniGrid-Empty-5x5-v0", {"max_steps": 9}, "agent"),
+    ("MiniGrid-DoorKey-5x5-v0", {"max_steps": 9}, "key"),
+]
+
+
+def test_a_step_earns_the_bits_of_where_it_leads():
+    env = EmpowermentReward(WorldEnv(TEXT), **TOE)
+    mdp = hb.tabulate(hb.World.parse(TEXT))
+    bits = hb.empowerment(mdp, 2, "object")
+    _, info = env.reset(seed=0)
+    assert info["empowerment"] == bits[mdp.start]
+    state = mdp.start
+    for action in np.random.default_rng(0).integers(8, size=400):
+        _, reward, terminated, truncated, info = env.step(action)
+        after = mdp.next_state[state, action]
+        assert info["extrinsic_reward"] == mdp.reward[state, action]
+        assert info["empowerment"] == bits[after]
+        assert reward == pytest.approx(mdp.reward[state, action] + 0.5 * bits[after])
+        state = after
+        if terminated or truncated:
+            env.reset()
+            state = mdp.start
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {},
+        {"earned": "current"},
+        {"earned": "difference", "discount": 0.9},
+        {"terminal_bonus": False},
+        {"extrinsic": False},
+        {"beta_schedule": "linear", "beta_steps": 40},
+        {"beta_schedule": "exponential", "beta_steps": 10},
+    ],
+)
+def test_rewards_are_the_trainers_whatever_the_settings(settings):
+    env = EmpowermentReward(WorldEnv(TEXT, max_steps=30), **TOE, **settings)
+    mdp = hb.tabulate(hb.World.parse(TEXT))
+    task, _ = make_task(mdp)
+    discount = settings.get("discount", 0.99)
+    config = hb.Config(intrinsic="object", horizon=2, beta=0.5).changed(
+        **settings | {"discount": discount, "reward_scale": 1.0}
+    )
+    numbers = {name: jnp.float32(value) for name, value in intrinsic.weights(config).items()}
+    numbers["reward_scale"] = jnp.float32(1)
+    bits = jnp.asarray(hb.empowerment(mdp, 2, "object"))
+    env.reset(seed=0)
+    state, terminations = mdp.start, 0
+    for taken, action in enumerate(np.random.default_rng(5).integers(8, size=200)):
+        _, reward, terminated, truncated, info = env.step(action)
+        transition = jnp.array(state * 8 + action)
+        wanted = intrinsic.reward(
+            numbers,
+            task.reward[transition],
+            bits[task.next_state[transition]],
+            bits[state],
+            task.terminated(transition),
+            jnp.float32(taken),
+        )
+        assert reward == pytest.approx(float(wanted), abs=1e-5)
+        terminations += terminated
+        state = info["state"]
+        if terminated or truncated:
+            env.reset()
+            state = mdp.start
+    assert terminations
+
+
+def bits_here(env, sensor):
+    """The bits of the state that an environment is in, from a table of its own."""
+    mdp = hb.TabularMDP.from_gymnasium(env, seed=None)
+    state = getattr(env.unwrapped, "s", 0)  # the first state of an enumeration is this one
+    return hb.empowerment(mdp, 2, sensor, states=[state])[0]
+
+
+@pytest.mark.parametrize(("name", "arguments", "sensor"), OTHERS)
+def test_environments_of_others_earn_the_bits_of_their_states(name, arguments, sensor):
+    env = EmpowermentReward(gymnasium.make(name, **arguments), 2, sensor, 0.25)
+    _, info = env.reset(seed=3)
+    assert info["empowerment"] == pytest.approx(bits_here(env, sensor))
+    plain = gymnasium.make(name, **arguments)
+    plain.reset(seed=3)
+    for action in np.random.default_rng(0).integers(plain.action_space.n, size=20):
+        _, extrinsic, *ends, _ = plain.step(action)
+        _, reward, *shaped_ends, info = env.step(action)
+        assert shaped_ends == ends
+        assert info["extrinsic_reward"] == extrinsic
+        assert reward == pytest.approx(extrinsic + 0.25 * info["empowerment"])
+        if any(ends):
+            break
+        assert info["empowerment"] == pytest.approx(bits_here(env, sensor))
+
+
+def test_another_layout_is_enumerated_when_an_episode_brings_it():
+    env = EmpowermentReward(gymnasium.make("MiniGrid-DoorKey-5x5-v0"), 2, "key", 0.25)
+    known = len(env._places.values)
+    for seed in range(4):
+        _, info = env.reset(seed=seed)
+        assert info["empowerment"] == pytest.approx(bits_here(env, "key"))
+    assert len(env._places.values) > known
+
+
+def vectors(mode):
+    """Vector environments of several kinds, and how to make one of their copies."""
+    own = {"world": TEXT, "max_steps": 9}
+    lake = {"is_slippery": True, "max_episode_steps": 9}
+    empty = {"max_steps": 9}
+
+    def sync(make):
+        return SyncVectorEnv([make] * 4, autoreset_mode=AutoresetMode(mode))
+
+    return {
+        "ours": (WorldVectorEnv(4, autoreset_mode=mode, **own), lambda: WorldEnv(**own), "object"),
+        "ours in a loop": (sync(lambda: WorldEnv(**own)), lambda: WorldEnv(**own), "object"),
+        "toy-text": (
+            sync(lambda: gymnasium.make("FrozenLake-v1", **lake)),
+            lambda: gymnasium.make("FrozenLake-v1", **lake),
+            "agent",
+        ),
+        "minigrid": (
+            sync(lambda: ImgObsWrapper(gymnasium.make("MiniGrid-Empty-5x5-v0", **empty))),
+            lambda: ImgObsWrapper(gymnasium.make("MiniGrid-Empty-5x5-v0", **empty)),
+            "agent",
+        ),
+    }
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+@pytest.mark.parametrize("kind", ["ours", "ours in a loop", "toy-text", "minigrid"])
+@pytest.mark.parametrize("earned", ["next", "difference"])
+def test_a_vector_environment_earns_what_each_of_its_copies_would_alone(kind, mode, earned):
+    vector, one, sensor = vectors(mode)[kind]
+    settings = {"horizon": 2, "sensor": sensor, "beta": 0.5, "earned": earned}
+    together = EmpowermentReward(vector, **settings)
+    assert isinstance(together, VectorEmpowermentReward)
+    alone = [EmpowermentReward(one(), **settings) for _ in range(4)]
+    _, info = together.reset(seed=0)
+    for i, env in enumerate(alone):
+        assert env.reset(seed=i)[1]["empowerment"] == info["empowerment"][i]
+    random = np.random.default_rng(0)
+    ended = np.zeros(4, bool)
+    for _ in range(40):
+        actions = random.integers(one().action_space.n, size=4)
+        _, rewards, terminated, truncated, info = together.step(actions)
+        for i, env in enumerate(alone):
+            if ended[i]:
+                env.reset()
+            if ended[i] and mode == "NextStep":
+                assert rewards[i] == info["extrinsic_reward"][i] == 0
+                continue
+            _, reward, *ends, told = env.step(actions[i])
+            assert rewards[i] == pytest.approx(reward)
+            assert [terminated[i], truncated[i]] == ends
+            assert info["extrinsic_reward"][i] == told["extrinsic_reward"]
+            assert info["empowerment"][i] == told["empowerment"]
+        ended = terminated | truncated
+    assert info["_empowerment"].all()
+
+
+def test_the_weight_goes_by_the_steps_of_all_copies():
+    settings = {"horizon": 1, "sensor": "state", "beta_schedule": "linear", "beta_steps": 8}
+    envs = EmpowermentReward(WorldVectorEnv(4, TEXT), beta=1.0, **settings)
+    envs.reset(seed=0)
+    weights = []
+    for _ in range(3):
+        _, rewards, *_, info = envs.step(np.array([0, 0, 0, 0]))
+        weights.append((rewards[0] + 1) / info["empowerment"][0])
+    assert weights == pytest.approx([1, 0.5, 0])
+
+
+def test_statistics_count_the_bonus_outside_and_not_inside():
+    inside = RecordEpisodeStatistics(WorldEnv(TEXT, max_steps=5), stats_key="extrinsic")
+    env = RecordEpisodeStatistics(EmpowermentReward(inside, **TOE))
+    env.reset(seed=0)
+    shaped = extrinsic = 0.0
+    for _ in range(5):
+        _, reward, *_, info = env.step(0)
+        shaped, extrinsic = shaped + float(reward), extrinsic + info["extrinsic_reward"]
+    assert info["episode"]["r"] == pytest.approx(shaped)
+    assert info["extrinsic"]["r"] == pytest.approx(extrinsic) == -5
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_vector_statistics_count_the_bonus_too(mode):
+    envs = WorldVectorEnv(3, TEXT, max_steps=5, autoreset_mode=mode)
+    envs = RecordVectorStatistics(EmpowermentReward(envs, **TOE))
+    envs.reset(seed=0)
+    shaped = np.zeros(3)
+    for _ in range(5):
+        _, rewards, *_, info = envs.step(np.array([0, 4, 2]))
+        shaped += rewards
+    assert info["episode"]["r"] == pytest.approx(shaped)
+    assert (info["episode"]["l"] == 5).all()
+
+
+def test_it_passes_gymnasiums_own_check_and_is_part_of_the_spec():
+    env = EmpowermentReward(gymnasium.make("habilis/Yard-v0"), **TOE)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*different from the unwrapped version")
+        check_env(env, skip_render_check=True)
+    again = gymnasium.make(env.spec)
+    again.reset(seed=0)
+    env.reset(seed=0)
+    assert again.step(1)[1] == env.step(1)[1]
+
+
+def test_values_come_from_the_disk_the_second_time(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    first = EmpowermentReward(WorldEnv(TEXT), **TOE)
+    keeping = import_module("habilis.empowerment.keeping")
+    monkeypatch.setattr(keeping, "empowerment", None)  # not computed again
+    second = EmpowermentReward(WorldEnv(hb.World.parse(TEXT, "another name")), **TOE)
+    assert np.array_equal(first._places.values, second._places.values)
+    with pytest.raises(TypeError):
+        EmpowermentReward(WorldEnv(TEXT, tool="broom"), **TOE)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"horizon": -1}, "horizon"),
+        ({"sensor": "smell"}, "sensor 'smell' is unknown"),
+        ({"beta": float("nan")}, "beta is nan; give a finite number"),
+        ({"earned": "twice"}, "earned 'twice' is unknown; use one of"),
+        ({"beta_schedule": "linear"}, "beta_steps is 0; give a number above 0"),
+        ({"discount": 2}, "discount is 2; give a number from 0 to 1"),
+        ({"actions": [9]}, "action"),
+    ],
+)
+@pytest.mark.parametrize("make", [lambda: WorldEnv(TEXT), lambda: WorldVectorEnv(2, TEXT)])
+def test_settings_out_of_range_are_refused_in_one_line(settings, message, make):
+    with pytest.raises(ValueError, match=message) as refused:
+        EmpowermentReward(make(), **TOE | settings)
+    assert "\n" not in str(refused.value)
+
+
+def test_environments_without_a_table_are_refused():
+    with pytest.raises(ValueError, match="whether state 0 ends an episode depends on"):
+        EmpowermentReward(gymnasium.make("Blackjack-v1"), **TOE | {"sensor": "state"})
+    env = gymnasium.make("MiniGrid-Empty-5x5-v0")
+    with pytest.raises(ValueError, match="more than 5 states"):
+        EmpowermentReward(env, **TOE | {"sensor": "state"}, max_states=5)
+
+
+def test_environments_in_other_processes_are_to_be_wrapped_there():
+    envs = VectorEnv()  # as AsyncVectorEnv, it has no environments in this process
+    with pytest.raises(ValueError, match="wrap each environment in EmpowermentReward before"):
+        EmpowermentReward(envs, **TOE)
