@@ -2,6 +2,7 @@
 
 import warnings
 from importlib import import_module
+from typing import Any
 
 import gymnasium
 import jax.numpy as jnp
@@ -107,7 +108,7 @@ def test_environments_of_others_earn_the_bits_of_their_states(name, arguments, s
     env = EmpowermentReward(gymnasium.make(name, **arguments), 2, sensor, 0.25)
     _, info = env.reset(seed=3)
     assert info["empowerment"] == pytest.approx(bits_here(env, sensor))
-    plain = gymnasium.make(name, **arguments)
+    plain: Any = gymnasium.make(name, **arguments)
     plain.reset(seed=3)
     for action in np.random.default_rng(0).integers(plain.action_space.n, size=20):
         _, extrinsic, *ends, _ = plain.step(action)
@@ -132,7 +133,7 @@ def test_another_layout_is_enumerated_when_an_episode_brings_it():
 def vectors(mode):
     """Vector environments of several kinds, and how to make one of their copies."""
     own = {"world": TEXT, "max_steps": 9}
-    lake = {"is_slippery": True, "max_episode_steps": 9}
+    lake: dict[str, Any] = {"is_slippery": True, "max_episode_steps": 9}
     empty = {"max_steps": 9}
 
     def sync(make):
@@ -201,7 +202,7 @@ def test_statistics_count_the_bonus_outside_and_not_inside():
     inside = RecordEpisodeStatistics(WorldEnv(TEXT, max_steps=5), stats_key="extrinsic")
     env = RecordEpisodeStatistics(EmpowermentReward(inside, **TOE))
     env.reset(seed=0)
-    shaped = extrinsic = 0.0
+    shaped, extrinsic, info = 0.0, 0.0, {}
     for _ in range(5):
         _, reward, *_, info = env.step(0)
         shaped, extrinsic = shaped + float(reward), extrinsic + info["extrinsic_reward"]
@@ -214,7 +215,7 @@ def test_vector_statistics_count_the_bonus_too(mode):
     envs = WorldVectorEnv(3, TEXT, max_steps=5, autoreset_mode=mode)
     envs = RecordVectorStatistics(EmpowermentReward(envs, **TOE))
     envs.reset(seed=0)
-    shaped = np.zeros(3)
+    shaped, info = np.zeros(3), {}
     for _ in range(5):
         _, rewards, *_, info = envs.step(np.array([0, 4, 2]))
         shaped += rewards

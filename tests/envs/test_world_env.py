@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -84,8 +85,8 @@ def test_a_world_is_given_by_name_path_text_or_itself(given, tmp_path):
         "world": (hb.World.parse(SMALL), SMALL),
         "one line": ("AP.CG", "AP.CG\n"),
     }[given]
-    env = gymnasium.make("habilis/World-v0", world=world)
-    assert env.unwrapped.world.text() == wanted
+    env: Any = gymnasium.make("habilis/World-v0", world=world).unwrapped
+    assert env.world.text() == wanted
 
 
 def test_steps_are_those_of_the_table_and_info_says_what_it_says_of_the_state():
@@ -189,7 +190,7 @@ def test_observations_are_the_callers_own():
 
 
 def test_pictures_are_those_of_the_world():
-    env = gymnasium.make("habilis/Yard-v0", render_mode="rgb_array")
+    env: Any = gymnasium.make("habilis/Yard-v0", render_mode="rgb_array")
     env.reset(seed=0)
     for action in (1, 2, 5, 2, 3):
         env.step(action)

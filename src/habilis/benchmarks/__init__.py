@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import Any
 
-BENCHMARKS = ("empowerment", "scale", "worlds", "learning", "sb3")
+BENCHMARKS = ("empowerment", "scale", "worlds", "environments", "learning", "sb3")
 _NEEDS_LEARNING = ("learning", "sb3")
 _APART = ("sb3",)  # measured when named: it needs an environment with torch
 
