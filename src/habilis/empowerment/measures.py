@@ -28,6 +28,9 @@ def average_empowerment(
         sensor: as in `empowerment`.
         **options: of `empowerment`, such as unit="nats".
 
+    Returns:
+        Bits, or nats where these are asked for.
+
     Raises:
         ValueError: as in `empowerment`, or the tool can never be in hand.
 
@@ -63,6 +66,10 @@ def compare(
         horizon: h, in actions.
         slip: as in `tabulate`.
         **options: of `empowerment`.
+
+    Returns:
+        By the tools' names, in their order, the average over all placements with the tool in hand
+        or, for "none", over all placements.
 
     Raises:
         ValueError: no tools, an unknown one, or a map that has no place for one.

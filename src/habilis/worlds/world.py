@@ -73,6 +73,9 @@ class World:
             text: `#` wall, `.` floor, `A` agent, `P` picker, `B` broom, `C` can, `G` goal.
             name: what to call the world; errors begin with it.
 
+        Returns:
+            The world.
+
         Raises:
             ValueError: the map is ragged or empty, has an unknown character, or does not have
                 exactly one agent, can and goal and at most one tool. The message names line
@@ -130,7 +133,13 @@ class World:
         )
 
     def with_tool(self, tool: str) -> "World":
-        """The same map with another tool in the place of its own ("none" leaves plain floor).
+        """The same map with another tool in the place of its own.
+
+        Args:
+            tool: "picker", "broom", or "none", which leaves plain floor there.
+
+        Returns:
+            Another world; this one stays as it is.
 
         Raises:
             ValueError: no such tool, or the map has no cell marked for a tool.
@@ -184,6 +193,9 @@ def load_world(name: str | Path, tool: str | None = None) -> World:
     Args:
         name: "corridor", "yard", or the path of a map file.
         tool: takes the place of the map's own tool; `None` keeps that.
+
+    Returns:
+        The world.
 
     Raises:
         ValueError: no such world or file, the file cannot be read as text, or the map is
