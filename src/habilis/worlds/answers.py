@@ -20,6 +20,7 @@ Placements = tuple[Cells, Cells, Cells]
 """The cells of agent, tool and object."""
 
 NEAR = 2  # cells; see `rules.BORDER`
+_WRITE = "leave the arguments as they are and return new arrays, as np.where makes them"
 _DIRECTIONS = ("north", "east", "south", "west")
 
 
@@ -60,7 +61,8 @@ def ask(grid: "Grid", rule: Tool, method: Method, placements: Placements, *step:
     try:
         told = np.asarray(getattr(rule, method)(*map(_unwritable, placements), *step))
     except Exception as error:
-        raise refusal(rule, method, f"fails with {failure(error)}", "mend it") from error
+        mend = _WRITE if "read-only" in str(error) else "mend it"
+        raise refusal(rule, method, f"fails with {failure(error)}", mend) from error
     thing = placements[2]
     wanted, kind = ("bool", "b") if method == "attached" else ("integer cells", "iu")
     if told.shape != thing.shape or told.dtype.kind not in kind:

@@ -23,6 +23,10 @@ _FILE = ".py"
 _METHODS = ("attached", "carry", "swing")
 
 
+class OwnToolError(ValueError):
+    """A tool of one's own is not where it should be, or is none."""
+
+
 def tool_named(name: str) -> Tool:
     """The tool of that name.
 
@@ -33,7 +37,8 @@ def tool_named(name: str) -> Tool:
             which must need no arguments, the name of an instance will do.
 
     Raises:
-        ValueError: there is none, or it is no tool; the message says what to mend.
+        ValueError: there is none, or (`OwnToolError`) what is there is no tool; the message says
+            what to mend.
     """
     if name in TOOLS:
         return TOOLS[name]
@@ -49,7 +54,7 @@ def tool_named(name: str) -> Tool:
         path, source = _read(place)
         return _found_in_file(place, path, source, wanted)
     except ValueError as error:
-        raise ValueError(f"tool {name!r}: {error}") from None
+        raise OwnToolError(f"tool {name!r}: {error}") from None
 
 
 def as_tool(given: Any) -> Tool:
@@ -92,7 +97,7 @@ def beside(folder: Path, name: str) -> str:
 def failure(error: BaseException) -> str:
     """What went wrong in somebody's code, in one line, and where in it."""
     frames = traceback.extract_tb(error.__traceback__)[1:]
-    places = [(frame.filename, frame.lineno) for frame in frames if "<frozen" not in frame.filename]
+    places = [(f.filename, f.lineno) for f in frames if "importlib" not in f.filename]
     if isinstance(error, SyntaxError):
         places = [(error.filename or "?", error.lineno)]
     what = type(error).__name__

@@ -142,7 +142,8 @@ class World:
                 try:
                     own = (tool, tool_named(tool))
                 except ValueError as error:
-                    raise ValueError(f"{name}, line {bound[character][0]}: {error}") from None
+                    line = bound[character][0]
+                    raise type(error)(f"{name}, line {line}: {error}") from None
         return cls(
             name=name,
             height=len(lines),
@@ -216,10 +217,10 @@ class World:
         return tuple("".join(row) for row in cells)
 
 
-def _world(values: dict[str, Any], located: str | None = None) -> World:
+def _world(values: dict[str, Any], place: str | None = None) -> World:
     """A world from its fields, and perhaps where its own tool is to be read."""
-    own = values["own"] if located is None else (values["tool"], tool_named(located))
-    return World(**values | {"own": own})
+    own: Any = values["own"] if place is None else (values["tool"], tool_named(place))
+    return World(**(values | {"own": own}))
 
 
 _ROLE_NAMES = {AGENT: "agent", OBJECT: "can", GOAL: "goal", TOOL: "tool"}
