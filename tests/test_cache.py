@@ -17,42 +17,50 @@ def forbidden():
 
 
 def test_the_second_time_it_is_read(tmp_path):
-    assert np.array_equal(kept("name", lambda: VALUES, tmp_path), VALUES)
-    assert np.array_equal(kept("name", forbidden, tmp_path), VALUES)
+    assert np.array_equal(kept("name", lambda: {"x": VALUES}, tmp_path)["x"], VALUES)
+    assert np.array_equal(kept("name", forbidden, tmp_path)["x"], VALUES)
 
 
 def test_another_name_is_another_array(tmp_path):
-    kept("name", lambda: VALUES, tmp_path)
-    assert np.array_equal(kept("other", lambda: 2 * VALUES, tmp_path), 2 * VALUES)
+    kept("name", lambda: {"x": VALUES}, tmp_path)
+    assert np.array_equal(kept("other", lambda: {"x": 2 * VALUES}, tmp_path)["x"], 2 * VALUES)
 
 
 @pytest.mark.parametrize("damage", ["cut", "changed", "emptied"])
 def test_a_damaged_file_is_made_again(tmp_path, damage):
-    kept("name", lambda: VALUES, tmp_path)
-    path = tmp_path / "name.npy"
+    kept("name", lambda: {"x": VALUES}, tmp_path)
+    path = tmp_path / "name.npz"
     content = path.read_bytes()
-    changed = content[:130] + bytes([content[130] ^ 1]) + content[131:]
+    changed = content[:200] + bytes([content[200] ^ 1]) + content[201:]
     path.write_bytes({"cut": content[:-9], "changed": changed, "emptied": b""}[damage])
-    assert np.array_equal(kept("name", lambda: VALUES + 1, tmp_path), VALUES + 1)
-    assert np.array_equal(kept("name", forbidden, tmp_path), VALUES + 1)
+    assert np.array_equal(kept("name", lambda: {"x": VALUES + 1}, tmp_path)["x"], VALUES + 1)
+    assert np.array_equal(kept("name", forbidden, tmp_path)["x"], VALUES + 1)
+
+
+def test_what_is_not_accepted_is_made_again(tmp_path):
+    kept("name", lambda: {"x": VALUES}, tmp_path)
+    again = kept("name", lambda: {"x": 2 * VALUES}, tmp_path, accept=lambda arrays: False)
+    assert np.array_equal(again["x"], 2 * VALUES)
+    assert np.array_equal(kept("name", forbidden, tmp_path)["x"], 2 * VALUES)
 
 
 def test_a_place_that_cannot_be_written_only_keeps_nothing(tmp_path):
     (tmp_path / "file").write_text("no folder")
     for _ in range(2):
-        assert np.array_equal(kept("name", lambda: VALUES, tmp_path / "file"), VALUES)
+        assert np.array_equal(kept("name", lambda: {"x": VALUES}, tmp_path / "file")["x"], VALUES)
 
 
 def test_nothing_half_written_is_left_and_many_may_write_at_once(tmp_path):
     threads = [
-        threading.Thread(target=kept, args=("name", lambda: VALUES, tmp_path)) for _ in range(8)
+        threading.Thread(target=kept, args=("name", lambda: {"x": VALUES}, tmp_path))
+        for _ in range(8)
     ]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert [path.name for path in tmp_path.iterdir()] == ["name.npy"]
-    assert np.array_equal(kept("name", forbidden, tmp_path), VALUES)
+    assert [path.name for path in tmp_path.iterdir()] == ["name.npz"]
+    assert np.array_equal(kept("name", forbidden, tmp_path)["x"], VALUES)
 
 
 def test_fingerprints_tell_contents_apart():

@@ -97,6 +97,7 @@ def run(page: Path, folder: Path) -> None:
     Raises:
         ValueError: one of them failed, or printed something else than the page says.
     """
+    (folder / "examples").symlink_to(ROOT / "examples")  # as a reader has them beside the page
     environment = os.environ | {"MPLBACKEND": "agg", "COLUMNS": "80"}
     done = subprocess.run(
         [sys.executable, "-W", "error", __file__, str(page)],

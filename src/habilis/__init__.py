@@ -16,8 +16,10 @@ from typing import TYPE_CHECKING, Any
 from habilis.empowerment import empowerment
 from habilis.empowerment.capacity import Capacity, ConvergenceWarning, capacity
 from habilis.mdp import TabularMDP
+from habilis.worlds.check_tool import check_tool
 from habilis.worlds.plans import Plan, solve
 from habilis.worlds.table import tabulate
+from habilis.worlds.tools import Tool
 from habilis.worlds.world import World, load_world, world_names
 
 if TYPE_CHECKING:
@@ -37,8 +39,10 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
     "ConvergenceWarning",
     "Plan",
     "TabularMDP",
+    "Tool",
     "World",
     "capacity",
+    "check_tool",
     "empowerment",
     "load_world",
     "solve",

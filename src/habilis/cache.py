@@ -4,7 +4,7 @@ import hashlib
 import io
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -38,29 +38,39 @@ def fingerprint(*parts: Any) -> str:
     return digest.hexdigest()
 
 
-def kept(name: str, compute: Callable[[], np.ndarray], folder: Path | None = None) -> np.ndarray:
-    """An array by its name: from the disk, or computed and put there.
+Arrays = Mapping[str, np.ndarray]
+
+
+def kept(
+    name: str,
+    compute: Callable[[], Arrays],
+    folder: Path | None = None,
+    accept: Callable[[Arrays], bool] = lambda arrays: True,
+) -> Arrays:
+    """Arrays by their common name: from the disk, or computed and put there.
 
     A file that is damaged is made again; where none can be written, nothing is kept.
 
     Args:
         name: such as a `fingerprint`.
-        compute: makes the array.
-        folder: where it is kept; by default `cache_folder()`.
+        compute: makes the arrays.
+        folder: where they are kept; by default `cache_folder()`.
+        accept: whether those from the disk may be used.
     """
-    path = (cache_folder() if folder is None else folder) / f"{name}.npy"
-    try:
-        return _read(path)
-    except (OSError, ValueError, EOFError):
-        array = compute()
+    path = (cache_folder() if folder is None else folder) / f"{name}.npz"
+    with suppress(OSError, ValueError, EOFError):
+        found = _read(path)
+        if accept(found):
+            return found
+    arrays = compute()
     with suppress(OSError):  # a full disk is no reason to have no values
-        _write(array, path)
-    return array
+        _write(arrays, path)
+    return arrays
 
 
-def _write(array: np.ndarray, path: Path) -> None:
+def _write(arrays: Arrays, path: Path) -> None:
     content = io.BytesIO()
-    np.save(content, array, allow_pickle=False)
+    np.savez(content, allow_pickle=False, **arrays)
     content.write(_DIGEST(content.getbuffer()).digest())
     path.parent.mkdir(parents=True, exist_ok=True)
     # Under a name of its own: other processes may be at the same values.
@@ -73,10 +83,11 @@ def _write(array: np.ndarray, path: Path) -> None:
         Path(temporary).unlink(missing_ok=True)
 
 
-def _read(path: Path) -> np.ndarray:
+def _read(path: Path) -> Arrays:
     """Raises: ValueError: the bytes are not those that were written."""
     content = path.read_bytes()
     size = _DIGEST().digest_size
     if _DIGEST(memoryview(content)[:-size]).digest() != content[-size:]:
         raise ValueError("its checksum is another")
-    return np.load(io.BytesIO(content), allow_pickle=False)
+    with np.load(io.BytesIO(content), allow_pickle=False) as saved:
+        return {name: saved[name] for name in saved.files}

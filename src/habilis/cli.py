@@ -63,7 +63,7 @@ def worlds(args: Args) -> int:
     if args.json:
         return print_json(
             {"name": world.name, "height": world.height, "width": world.width}
-            | {"tool": world.tool, "map": world.text().splitlines()}
+            | {"tool": world.tool, "map": list(world.rows)}
         )
     from habilis.worlds.pictures import colored_text
 

@@ -16,6 +16,7 @@ OPTIONS = (
     *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
 )
 
+_TOOLS = "picker, broom, none or one of your own as FILE.py:CLASS"
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
 
 
@@ -97,7 +98,9 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
         "habilis compare yard --tools picker,broom,none --horizon 3",
     )
     v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
-    v.add_argument("--tools", type=_words, default=["picker", "broom", NO_TOOL], metavar="A,B,...")
+    tools = ["picker", "broom", NO_TOOL]
+    text = f"each {_TOOLS} (default {','.join(tools)})"
+    v.add_argument("--tools", type=_words, default=tools, metavar="A,B,...", help=text)
     v.add_argument("--horizon", type=int, required=True, help="number of actions")
     _slip(v)
     _unit(v)
@@ -203,7 +206,7 @@ def _world(parser: argparse.ArgumentParser, or_environment: bool = False) -> Non
 
 
 def _tool(parser: argparse.ArgumentParser) -> None:
-    text = "picker, broom or none, in the place of the map's own"
+    text = f"{_TOOLS}, in the place of the map's own"
     parser.add_argument("--tool", metavar="TOOL", help=text)
 
 

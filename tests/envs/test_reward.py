@@ -134,7 +134,7 @@ def vectors(mode):
     """Vector environments of several kinds, and how to make one of their copies."""
     own = {"world": TEXT, "max_steps": 9}
     lake: dict[str, Any] = {"is_slippery": True, "max_episode_steps": 9}
-    empty = {"max_steps": 9}
+    empty: dict[str, Any] = {"max_steps": 9}
 
     def sync(make):
         return SyncVectorEnv([make] * 4, autoreset_mode=AutoresetMode(mode))

@@ -1,5 +1,6 @@
 """The worlds as Gymnasium environments."""
 
+import copy
 import re
 import warnings
 from typing import Any
@@ -187,6 +188,24 @@ def test_observations_are_the_callers_own():
         kept = first.copy()
         first[...] = 0
         assert np.array_equal(env.reset()[0], kept)
+
+
+def test_a_copy_goes_its_own_way():
+    env = gymnasium.make("habilis/Yard-v0", measures={"toe": {"horizon": 1}}, slip=0.5)
+    env.reset(seed=0)
+    env.step(1)
+    copied = copy.deepcopy(env)
+    ahead = [env.step(2) for _ in range(9)]
+    assert same(ahead, [copied.step(2) for _ in range(9)])
+
+
+def test_its_table_is_its_own():
+    env = gymnasium.make("habilis/Yard-v0", slip=0.25)
+    mdp = hb.TabularMDP.from_gymnasium(env)
+    noisy = hb.tabulate(hb.load_world("yard"), slip=0.25)
+    assert np.array_equal(mdp.transition(3).indices, noisy.transition(3).indices)
+    assert np.array_equal(mdp.transition(3).data, noisy.transition(3).data)
+    assert mdp.start == noisy.start
 
 
 def test_pictures_are_those_of_the_world():

@@ -49,4 +49,8 @@ def kept_empowerment(
         None if actions is None else list(actions),
         sorted(options.items()),
     )
-    return kept(name, lambda: empowerment(mdp, horizon, sensor, actions, **options), folder)
+
+    def compute() -> dict[str, np.ndarray]:
+        return {"values": empowerment(mdp, horizon, sensor, actions, **options)}
+
+    return kept(name, compute, folder)["values"]

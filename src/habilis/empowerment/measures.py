@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from habilis.empowerment.core import Options, empowerment
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
+from habilis.worlds.tools import Tool
 from habilis.worlds.world import NO_TOOL, Cell, World
 
 
@@ -53,7 +54,7 @@ def compared_states(mdp: TabularMDP) -> np.ndarray:
 
 def compare(
     world: World,
-    tools: Sequence[str],
+    tools: Sequence[str | Tool],
     horizon: int,
     slip: float = 0.0,
     **options: Unpack[Options],
@@ -62,17 +63,17 @@ def compare(
 
     Args:
         world: the map.
-        tools: names of tools; "none" is the bare agent.
+        tools: names of tools, or tools of one's own; "none" is the bare agent.
         horizon: h, in actions.
         slip: as in `tabulate`.
         **options: of `empowerment`.
 
     Returns:
-        By the tools' names, in their order, the average over all placements with the tool in hand
-        or, for "none", over all placements.
+        Bits by the tool's name (see `World.with_tool`): the average over all placements with the
+        tool in hand or, for "none", over all placements.
 
     Raises:
-        ValueError: no tools, an unknown one, or a map that has no place for one.
+        ValueError: no tools, an unknown one, two of one name, or a map that has no place for one.
 
     Example:
         >>> from habilis.worlds.world import load_world
@@ -82,11 +83,14 @@ def compare(
     """
     if not tools:
         raise ValueError(f"no tools to compare; name some, such as picker,broom,{NO_TOOL}")
-    return {
-        tool: average_empowerment(
-            tabulate(world.with_tool(tool), slip), horizon, "object", **options
+    worlds = {(other := world.with_tool(tool)).tool: other for tool in tools}
+    if len(worlds) < len({tool if isinstance(tool, str) else id(tool) for tool in tools}):
+        raise ValueError(
+            f"two of the tools have one name, of {', '.join(worlds)}; compare each alone"
         )
-        for tool in tools
+    return {
+        name: average_empowerment(tabulate(other, slip), horizon, "object", **options)
+        for name, other in worlds.items()
     }
 
 

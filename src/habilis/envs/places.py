@@ -8,7 +8,9 @@ from gymnasium.spaces import Discrete
 from jaxtyping import Float64
 
 from habilis.envs.table import TableEnv
-from habilis.gymnasium_tables.enumeration import enumerate_states
+from habilis.gymnasium_tables.enumeration import action_count, marker
+from habilis.gymnasium_tables.identity import digest
+from habilis.gymnasium_tables.keeping import kept_states
 from habilis.mdp import TabularMDP
 
 Measure = Callable[[TabularMDP], Float64[np.ndarray, "S"]]
@@ -92,23 +94,27 @@ class _EnumeratedPlaces:
 
     def __init__(self, env: Any, measure: Measure, max_states: int):
         self._measure, self._max_states = measure, max_states
-        self._place: dict[Hashable, int] = {}
+        self._mark = marker(env.unwrapped)
+        self._known: dict[bytes, int] = {}
+        self._place: dict[Hashable, int] = {}  # of marks seen before: faster than their digests
         self.values = np.empty(0)
-        self._reached = np.empty((0, env.action_space.n), np.int64)
+        self._reached = np.empty((0, action_count(env)), np.int64)
         self._add(env, seed=0)
 
     def _add(self, env: Any, seed: int | None) -> None:
-        found = enumerate_states(env, self._max_states, seed, None, None, False)
+        states = kept_states(env, self._max_states, seed)
         first = len(self.values)
-        self._mark = found.mark
-        self._place |= {mark: first + place for mark, place in found.place.items()}
-        self.values = np.append(self.values, self._measure(found.mdp))
-        self._reached = np.append(self._reached, first + found.mdp.next_state, axis=0)
+        self._known |= {mark.tobytes(): first + i for i, mark in enumerate(states.digests)}
+        self.values = np.append(self.values, self._measure(states.mdp))
+        self._reached = np.append(self._reached, first + states.mdp.next_state, axis=0)
 
     def of(self, env: Any) -> int:
         mark = self._mark(env)
-        if mark not in self._place:  # a new episode has another layout
-            self._add(env, seed=None)
+        if mark not in self._place:
+            name = digest(mark)
+            if name not in self._known:  # a new episode has another layout
+                self._add(env, seed=None)
+            self._place[mark] = self._known[name]
         return self._place[mark]
 
     def last(self, before: int, action: int, observation: Any, info: dict[str, Any]) -> int:

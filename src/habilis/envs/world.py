@@ -18,6 +18,7 @@ from habilis.envs.table import MAX_STEPS, TableEnv
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import placement, tabulate
+from habilis.worlds.tools import Tool
 from habilis.worlds.world import AGENT, GOAL, OBJECT, World, load_world
 
 Measures = Mapping[str, Mapping[str, Any]]
@@ -57,7 +58,7 @@ class WorldEnv(TableEnv):
     def __init__(
         self,
         world: World | str | Path,
-        tool: str | None = None,
+        tool: str | Tool | None = None,
         max_steps: int = MAX_STEPS,
         observation: str = "factors",
         measures: Measures | None = None,
@@ -67,7 +68,7 @@ class WorldEnv(TableEnv):
         """
         Args:
             world: a world, a built-in one's name, the path of a map, or the text of one.
-            tool: takes the place of the map's own; `None` keeps that.
+            tool: takes the place of the map's own, by its name or itself; `None` keeps that.
             max_steps: the length of an episode, at most.
             observation: "factors", `MultiDiscrete`, the cells of agent, tool and object, each
                 `row * columns + column`; "onehot", the same as zeros and ones; "grid", uint8
@@ -149,7 +150,7 @@ class WorldVectorEnv(TableVectorEnv):
         self,
         num_envs: int,
         world: World | str | Path,
-        tool: str | None = None,
+        tool: str | Tool | None = None,
         max_steps: int = MAX_STEPS,
         observation: str = "factors",
         measures: Measures | None = None,
@@ -212,7 +213,7 @@ class Scene:
     def of(
         cls,
         world: World | str | Path,
-        tool: str | None,
+        tool: str | Tool | None,
         shown: str,
         measures: Measures | None,
         slip: float,

@@ -42,8 +42,8 @@ def enumerate_states(
     show_progress: bool,
 ) -> Enumerated:
     """Breadth first from one state; see `TabularMDP.from_gymnasium`."""
-    actions = _action_count(env)
-    with _first_state(env, seed) as (first, saved), _progress(show_progress) as tell:
+    actions = action_count(env)
+    with first_state(env, seed) as (first, saved), _progress(show_progress) as tell:
         mark = key or saved.identity
         place: dict[Hashable, int] = {mark(first): 0}
         found, ended = [saved.save(first)], [False]
@@ -81,7 +81,7 @@ def enumerate_states(
         return Enumerated(mdp, place, mark)
 
 
-def _action_count(env: Any) -> int:
+def action_count(env: Any) -> int:
     space = env.action_space
     if type(space).__name__ != "Discrete" or int(space.start) != 0:
         raise ValueError(
@@ -100,7 +100,7 @@ def _action_names(env: Any, count: int) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class _Saved:
+class Saved:
     """How the states of an environment are kept.
 
     Attributes:
@@ -114,11 +114,24 @@ class _Saved:
     identity: Callable[[Any], Hashable]
 
 
+def marker(inner: Any) -> Callable[[Any], Hashable]:
+    """What makes two states of an (unwrapped) environment the same."""
+    return _by_state if _keeps_states(inner) else identity
+
+
+def _keeps_states(inner: Any) -> bool:
+    return all(callable(getattr(inner, name, None)) for name in ("get_state", "set_state"))
+
+
+def _by_state(env: Any) -> Hashable:
+    return frozen(env.get_state(), "get_state()")
+
+
 @contextmanager
-def _first_state(env: Any, seed: int | None) -> Iterator[tuple[Any, _Saved]]:
+def first_state(env: Any, seed: int | None) -> Iterator[tuple[Any, Saved]]:
     """An environment of our own in the first state, and how its states are kept."""
     inner = env.unwrapped
-    if callable(getattr(inner, "get_state", None)) and callable(getattr(inner, "set_state", None)):
+    if _keeps_states(inner):
         before = copy.deepcopy(inner.get_state())
 
         def load(state: Any) -> Any:
@@ -128,7 +141,7 @@ def _first_state(env: Any, seed: int | None) -> Iterator[tuple[Any, _Saved]]:
         def save(env: Any) -> Any:
             return copy.deepcopy(env.get_state())
 
-        saved = _Saved(save, load, lambda env: frozen(env.get_state(), "get_state()"))
+        saved = Saved(save, load, _by_state)
         try:
             if seed is not None:
                 inner.reset(seed=seed)
@@ -146,7 +159,7 @@ def _first_state(env: Any, seed: int | None) -> Iterator[tuple[Any, _Saved]]:
         keep_counters(first, loaded)
         return loaded
 
-    yield first, _Saved(lambda env: env, copied_in_time, identity)
+    yield first, Saved(lambda env: env, copied_in_time, identity)
 
 
 def _copied(env: Any) -> Any:
@@ -171,7 +184,7 @@ class _Step:
 
 
 def _certain_step(
-    saved: _Saved, state: Any, action: int, number: int, mark: Callable[[Any], Hashable]
+    saved: Saved, state: Any, action: int, number: int, mark: Callable[[Any], Hashable]
 ) -> _Step:
     """One step from a state. Raises if chance decides on where it leads."""
     step, drew = _step(saved, state, action, mark, None)
@@ -190,7 +203,7 @@ def _certain_step(
 
 
 def _step(
-    saved: _Saved, state: Any, action: int, mark: Callable[[Any], Hashable], chance: int | None
+    saved: Saved, state: Any, action: int, mark: Callable[[Any], Hashable], chance: int | None
 ) -> tuple[_Step, bool]:
     """One step, with other random numbers if asked, and whether it drew any."""
     env = saved.load(state)

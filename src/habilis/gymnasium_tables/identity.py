@@ -1,6 +1,7 @@
 """What makes two copies of an environment the same state: all they hold, but for a few things."""
 
 import enum
+import hashlib
 from collections.abc import Hashable
 from typing import Any
 
@@ -37,6 +38,19 @@ def keep_counters(first: Any, env: Any) -> None:
     for name in _COUNTERS:
         if isinstance(vars(first).get(name), int):
             setattr(env, name, vars(first)[name])
+
+
+def digest(mark: Hashable) -> bytes:
+    """32 bytes that are the same in every process for equal marks, which hashes are not."""
+    return hashlib.sha256(_ordered(mark).encode()).digest()
+
+
+def _ordered(mark: Any) -> str:
+    if isinstance(mark, frozenset):
+        return "{" + ",".join(sorted(map(_ordered, mark))) + "}"
+    if isinstance(mark, tuple):
+        return "(" + ",".join(map(_ordered, mark)) + ")"
+    return repr(mark)
 
 
 def frozen(value: Any, where: str) -> Hashable:

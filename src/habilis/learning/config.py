@@ -30,7 +30,10 @@ class Config:
     """
 
     world: str = setting("corridor", "a built-in world's name or the path of a map")
-    tool: str | None = setting(None, "takes the place of the map's own tool")
+    tool: str | None = setting(
+        None,
+        'takes the place of the map\'s own tool: "picker", "broom", "none" or "FILE.py:CLASS"',
+    )
     algorithm: Algorithm = field(default=A2C(), metadata={"help": "how the agent learns"})
     intrinsic: str = setting(
         NO_INTRINSIC,

@@ -1,7 +1,7 @@
 """A run's folder: what training leaves on disk.
 
 config.json         the configuration
-world.txt           the map, with the tool that was used
+world.txt           the map, with the tool that was used (of one's own: where its file is)
 checkpoint-*.npz    what to go on from, while it trains
 lock                held by the process that trains
 tensorboard/run-K   event files of run K
@@ -28,8 +28,9 @@ import polars as pl
 from habilis.learning import checkpoints
 from habilis.learning.checkpoints import write_whole
 from habilis.learning.config import NO_INTRINSIC, Config
-from habilis.learning.jobs import Job
+from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.runs import Run
+from habilis.worlds.own_tools import OwnToolError
 from habilis.worlds.world import World
 
 _LONGEST_NAME = 240  # bytes: what file systems allow, less what a temporary name adds
@@ -149,7 +150,11 @@ def is_finished(folder: Path) -> bool:
 
 
 def _write_inputs(config: Config, world: World, folder: Path) -> None:
+    digest = digest_of_own_tool(world)
+    world = world.located()
     named = {"name": world.name, "tool": world.tool}
+    if digest is not None:
+        named["table"] = digest
     _write_json(folder / "config.json", config.as_dict() | {"map": named})
     write_whole(folder / "world.txt", lambda file: file.write(world.text().encode()))
 
@@ -171,13 +176,33 @@ def read_world(folder: Path) -> World:
     """The world of a run, with the tool that was used.
 
     Raises:
-        ValueError: it is missing or damaged.
+        ValueError: it is missing or damaged, or a tool of one's own is not what it was.
     """
     named = _read(folder / "config.json", lambda path: _config(path)[1])
-    return _read(
+    world = _read(
         folder / "world.txt",
         lambda path: World.parse(path.read_text(), named["name"]).with_tool(named["tool"]),
     )
+    check_same_table(world, named.get("table"), folder)
+    return world
+
+
+def check_same_table(world: World, digest: str | None, folder: Path) -> None:
+    """Refuses a tool of one's own that has changed.
+
+    Args:
+        world: with the tool as it is now.
+        digest: of its table as it was; `None` if it was not noted.
+        folder: what was trained with it.
+
+    Raises:
+        ValueError: it does something else by now.
+    """
+    if digest is not None and digest_of_own_tool(world) != digest:
+        raise ValueError(
+            f"{folder}: was begun when the tool {world.tool!r} did something else; restore the "
+            "tool's file as it was, or train into a new folder"
+        )
 
 
 def load_run(folder: str | Path) -> Run:
@@ -249,6 +274,8 @@ def _read(path: Path, read: Callable[[Path], Value]) -> Value:
         return read(path)
     except FileNotFoundError as error:
         raise ValueError(f"{path}: is missing; name the folder of a finished run") from error
+    except OwnToolError as error:
+        raise ValueError(f"{path}: {error}") from None
     except (*_DAMAGE, pl.exceptions.PolarsError) as error:
         raise ValueError(
             f"{path}: is damaged ({_first_line(error)}); train the run again"

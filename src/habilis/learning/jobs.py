@@ -1,5 +1,6 @@
 """Configurations made ready for training."""
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -121,6 +122,24 @@ def _tabulated(world: World) -> tuple[TabularMDP, float, Ledger]:
     if plan is None:
         raise ValueError(f"{world.name}: the goal cannot be reached; open a way to it")
     return mdp, plan.best_return, Ledger.of(mdp)
+
+
+def digest_of_own_tool(world: World) -> str | None:
+    """What a tool of one's own makes of a world's table, in 32 hexadecimal digits.
+
+    `None` where the tool is a built-in one, which is always the same.
+
+    Raises:
+        ValueError: the goal is out of reach.
+    """
+    if world.own is None:
+        return None
+    mdp = _tabulated(world)[0]
+    digest = hashlib.sha256()
+    for array in (mdp.next_state, *mdp.factors.values(), *mdp.flags.values()):
+        digest.update(f"{array.dtype.str}{array.shape}".encode())
+        digest.update(np.ascontiguousarray(array).data)
+    return digest.hexdigest()[:32]
 
 
 @lru_cache(KEPT)

@@ -20,7 +20,10 @@ import polars as pl
 
 from habilis.learning.checkpoints import write_whole
 from habilis.learning.config import Config
+from habilis.learning.folder import check_same_table
+from habilis.learning.jobs import digest_of_own_tool
 from habilis.sweeps.tasks import Outcome, Outcomes, Task, plain, tasks_of
+from habilis.worlds.own_tools import OwnToolError
 from habilis.worlds.world import World
 
 POINTS, TASKS = "points.json", "tasks"
@@ -41,27 +44,41 @@ def write_points(points: Sequence[Point], folder: Path) -> None:
     (folder / TASKS).mkdir(exist_ok=True)
     write_json(
         folder / POINTS,
-        [
-            config.as_dict() | {"map": {"name": w.name, "tool": w.tool, "text": w.text()}}
-            for config, w in points
-        ],
+        [config.as_dict() | {"map": _map(world)} for config, world in points],
     )
+
+
+def _map(world: World) -> dict[str, str]:
+    digest, world = digest_of_own_tool(world), world.located()
+    noted = {} if digest is None else {"table": digest}
+    return {"name": world.name, "tool": world.tool, "text": world.text()} | noted
 
 
 def read_points(folder: Path) -> list[Point]:
     """Reads it back.
 
     Raises:
-        ValueError: the folder holds no sweep, or a damaged one.
+        ValueError: the folder holds no sweep, or a damaged one, or a tool of one's own is not what
+            it was.
     """
     path = folder / POINTS
+    points, digests = _points(path)
+    for (_, world), digest in zip(points, digests, strict=True):
+        check_same_table(world, digest, folder)
+    return points
+
+
+def _points(path: Path) -> tuple[list[Point], list[str | None]]:
     try:
         listed = json.loads(path.read_text())
         maps = [values.pop("map") for values in listed]
         worlds = [World.parse(m["text"], m["name"]).with_tool(m["tool"]) for m in maps]
-        return list(zip(map(Config.from_dict, listed), worlds, strict=True))
+        points = list(zip(map(Config.from_dict, listed), worlds, strict=True))
+        return points, [m.get("table") for m in maps]
     except FileNotFoundError:
         raise ValueError(f"{path}: is missing; name the folder of a sweep") from None
+    except OwnToolError as error:
+        raise ValueError(f"{path}: {error}") from None
     except (*_DAMAGE, AttributeError) as error:
         raise ValueError(
             f"{path}: is damaged ({_reason(error)}); sweep into a new folder"

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.batches import LANES, NotFiniteError, train_jobs, workers
 from habilis.learning.config import Config
-from habilis.learning.jobs import Job
+from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.runs import Progress, Record
 from habilis.worlds.world import World, load_world
 
@@ -39,8 +39,13 @@ class Task:
 
     @cached_property
     def name(self) -> str:
-        """What it is, in 32 hexadecimal digits: the same for the same settings, map and runs."""
-        what = [plain(self.config), self.world.tool, self.world.text(), self.runs]
+        """What it is, in 32 hexadecimal digits: the same for the same settings, map and runs.
+
+        What a tool of one's own does counts, and not where it is written.
+        """
+        digest = digest_of_own_tool(self.world)
+        tool = [self.world.tool, self.world.text()] if digest is None else [digest, self.world.rows]
+        what = [plain(self.config), *tool, self.runs]
         return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:32]
 
 

@@ -23,8 +23,8 @@ from PIL import Image
 from rich.text import Text
 
 from habilis.worlds.shapes import SHAPES, Drawing, Side, facing, placed
-from habilis.worlds.tools import TOOLS
-from habilis.worlds.world import AGENT, FLOOR, GOAL, NO_TOOL, OBJECT, WALL, Cell, World
+from habilis.worlds.tools import Tool, drawing_of
+from habilis.worlds.world import AGENT, FLOOR, GOAL, OBJECT, WALL, Cell, World
 
 _DPI = 96  # a web page's; and (n / 96) * 96 is exactly n in floating point: no pixel is lost
 _METADATA = {  # what would tell apart two files of one picture, left out
@@ -46,8 +46,8 @@ _STYLES = {
     AGENT: "bold #ffffff on #0072b2",
     OBJECT: "bold #ffffff on #b34700",
     GOAL: "bold #ffffff on #007a59",
-    **{tool.character: "bold #1f2430 on #f0c24b" for tool in TOOLS.values()},
 }
+_TOOL_STYLE = "bold #1f2430 on #f0c24b"
 
 
 def draw_world(ax: Axes, world: World, *, background: bool = True) -> None:
@@ -278,12 +278,13 @@ def colored_text(world: World) -> Text:
     The letters are those of the map's text; a G beside another letter is the goal under it.
     """
     rows = []
-    for row, line in enumerate(world.text().splitlines()):
+    for row, line in enumerate(world.rows):
         text = Text()
         for column, character in enumerate(line):
             beside = GOAL if (row, column) == world.goal and character != GOAL else " "
-            text.append(character, _STYLES[character])
-            text.append(beside, _STYLES[character if beside == " " else beside])
+            style = _STYLES.get(character, _TOOL_STYLE)
+            text.append(character, style)
+            text.append(beside, style if beside == " " else _STYLES[beside])
         rows.append(text)
     return Text("\n").join(rows)
 
@@ -354,8 +355,8 @@ def _ink(background: Float[np.ndarray, "rgba"]) -> str:
 def _things(world: World, agent: Cell | None) -> dict[Cell, Drawing]:
     """What stands in the cells: bin, can, tool, and the agent if it has a cell here."""
     things = {world.object: SHAPES["can"]}
-    if world.tool != NO_TOOL and world.tool_cell is not None:
-        things[world.tool_cell] = _tool(world.tool, world.tool_cell, agent)
+    if world.tool_rule is not None and world.tool_cell is not None:
+        things[world.tool_cell] = _tool(world.tool_rule, world.tool_cell, agent)
     if agent is not None:
         things[agent] = SHAPES["agent"]
     things[world.goal] = on_goal(things.get(world.goal))
@@ -368,9 +369,9 @@ def looks(world: World) -> dict[str, Drawing]:
     The tool in hand looks otherwise on each side of the agent: "north", "east", "south", "west".
     """
     things = {"agent": SHAPES["agent"], "can": SHAPES["can"]}
-    if world.tool != NO_TOOL:
-        things["tool"] = _tool(world.tool, (0, 0), None)
-        things |= {side: _tool(world.tool, step, (0, 0)) for step, side in _SIDES.items()}
+    if world.tool_rule is not None:
+        things["tool"] = _tool(world.tool_rule, (0, 0), None)
+        things |= {side: _tool(world.tool_rule, step, (0, 0)) for step, side in _SIDES.items()}
     return things
 
 
@@ -383,9 +384,10 @@ def on_goal(thing: Drawing | None) -> Drawing:
     return thing + placed(SHAPES["bin"], 0.56, 0.54, 0.44)
 
 
-def _tool(name: str, cell: Cell, agent: Cell | None) -> Drawing:
+def _tool(tool: Tool, cell: Cell, agent: Cell | None) -> Drawing:
     """The tool facing away from the agent when it is in hand, and as it is drawn otherwise."""
+    drawing = drawing_of(tool)
     if agent is None:
-        return SHAPES[name]
+        return drawing
     side = _SIDES.get((cell[0] - agent[0], cell[1] - agent[1]))
-    return SHAPES[name] if side is None else facing(SHAPES[name], side)
+    return drawing if side is None else facing(drawing, side)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool
 
+from habilis.worlds.answers import NEAR, answers
 from habilis.worlds.tools import Cells, Tool
 from habilis.worlds.world import Cell, World
 
@@ -12,7 +13,9 @@ MOVES = ("north", "east", "south", "west")
 ACTIONS = (*MOVES, *(f"tool {side}" for side in MOVES))
 """Names of the actions in their order: 0 to 3 move the agent, 4 to 7 put the tool on a side."""
 
-_BORDER = 2  # a swung object lands two cells from the agent: never outside the padded map
+BORDER = NEAR
+"""Cells around the map, and how far at most from agent, tool or its own cell an object lands: so
+that no tool, whatever it does, gets past the border, or round it to the other side."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,11 @@ class Grid:
 
     @classmethod
     def of(cls, world: World) -> "Grid":
-        stride = world.width + 2 * _BORDER
-        wall = np.ones((world.height + 2 * _BORDER, stride), bool)
+        stride = world.width + 2 * BORDER
+        wall = np.ones((world.height + 2 * BORDER, stride), bool)
         for row in range(world.height):
             for column in range(world.width):
-                wall[row + _BORDER, column + _BORDER] = (row, column) in world.walls
+                wall[row + BORDER, column + BORDER] = (row, column) in world.walls
         nowhere = wall.size + stride
         flat = np.append(wall.ravel(), np.ones(2 * stride, bool))
         flat[nowhere] = False
@@ -52,12 +55,17 @@ class Grid:
         return np.flatnonzero(~self.wall[: self.nowhere])
 
     def index(self, cell: Cell) -> int:
-        return (cell[0] + _BORDER) * self.stride + cell[1] + _BORDER
+        return (cell[0] + BORDER) * self.stride + cell[1] + BORDER
+
+    def cell(self, index: int) -> Cell:
+        """The cell that has an index."""
+        row, column = divmod(int(index), self.stride)
+        return row - BORDER, column - BORDER
 
     def label(self, cells: Cells) -> Cells:
         """`row * width + column` on the map; -1 for `nowhere`."""
         row, column = np.divmod(cells, self.stride)
-        label = (row - _BORDER) * self.width + column - _BORDER
+        label = (row - BORDER) * self.width + column - BORDER
         return np.where(cells == self.nowhere, -1, label)
 
     def adjacent(self, a: Cells, b: Cells):
@@ -80,6 +88,9 @@ def successor(
     Returns:
         The cells of agent, tool and object; unchanged wherever one of them would have come
         onto a wall or onto another.
+
+    Raises:
+        ValueError: the tool does not answer as a tool must.
     """
     step = grid.steps[action % 4]
     equipped = grid.adjacent(agent, tool)
@@ -88,12 +99,16 @@ def successor(
         new_tool = np.where(equipped, tool + step, tool)
         new_thing = thing
         if rule is not None:
-            new_thing = np.where(equipped, rule.carry(agent, tool, thing, step), thing)
+            new_thing = answers(
+                grid, rule, "carry", (agent, tool, thing), step, where=equipped, elsewhere=thing
+            )
         new_thing = np.where(new_agent == thing, thing + step, new_thing)
     else:
         new_agent, new_tool, new_thing = agent, np.where(equipped, agent + step, tool), thing
         if rule is not None:
-            new_thing = np.where(equipped, rule.swing(agent, tool, thing, step), thing)
+            new_thing = answers(
+                grid, rule, "swing", (agent, tool, thing), step, where=equipped, elsewhere=thing
+            )
     stays = grid.wall[new_agent] | grid.wall[new_tool] | grid.wall[new_thing]
     stays |= (new_agent == new_tool) | (new_agent == new_thing) | (new_tool == new_thing)
     return (

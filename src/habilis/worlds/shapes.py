@@ -120,6 +120,7 @@ def _rod(fill: str, width: float, start: Point, end: Point) -> Shape:
 _INK, _WHITE, _PAPER = "#1f2430", "#ffffff", "#f6f7f8"
 # The main colours are Okabe and Ito's, which every kind of eye can tell apart.
 _ORANGE, _GREEN, _BLUE, _RED = "#e69f00", "#009e73", "#0072b2", "#d55e00"
+_VIOLET = "#cc79a7"
 _LEAF, _STRAW, _YELLOW = "#00684c", "#c08414", "#f0c24b"
 _SILVER, _STEEL = "#cfd6de", "#8a94a3"
 
@@ -173,6 +174,12 @@ _BROOM: Drawing = (
     _polygon(_STRAW, (0.27, 0.695), (0.298, 0.66), (0.702, 0.66), (0.73, 0.695)),  # stitching
     _box(_RED, 0.35, 0.48, 0.65, 0.61, 0.05),  # collar
 )
+_TOOL: Drawing = (  # a spanner, for tools that say nothing of how they look
+    _bow(_INK, 0.5, 0.17, 0.095, 0.07, 0.0, 4.0),  # ring
+    _polygon(_VIOLET, (0.44, 0.27), (0.56, 0.27), (0.58, 0.6), (0.42, 0.6)),  # handle
+    _box("#8f4a70", 0.475, 0.31, 0.525, 0.54, 0.025),
+    _bow(_INK, 0.5, 0.76, 0.155, 0.15, 1.55, 4.45),  # jaws
+)
 _CAN: Drawing = (
     _ellipse(_STEEL, 0.5, 0.855, 0.19, 0.07),  # foot
     _polygon(_STEEL, (0.29, 0.22), (0.35, 0.13), (0.65, 0.13), (0.71, 0.22)),  # shoulder
@@ -209,8 +216,9 @@ SHAPES: dict[str, Drawing] = {
     "agent": _AGENT,
     "picker": _PICKER,
     "broom": _BROOM,
+    "tool": _TOOL,
     "can": _CAN,
     "bin": _BIN,
     "full bin": _FULL_BIN,
 }
-"""The drawing of each thing by its name; tools by the names that `tools.TOOLS` gives them."""
+"""The drawing of each thing by its name; "tool" is one that does not say how it looks."""

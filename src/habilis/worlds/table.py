@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Int32
 
 from habilis.mdp import TabularMDP
+from habilis.worlds.answers import answers
 from habilis.worlds.rules import ACTIONS, MOVES, Grid, successor
 from habilis.worlds.tools import Cells
 from habilis.worlds.world import Cell, World
@@ -93,7 +94,7 @@ def describe(
     equipped = grid.adjacent(agent, tool)
     attached = np.zeros(len(thing), bool)
     if rule is not None:
-        attached = equipped & rule.attached(agent, tool, thing)
+        attached = answers(grid, rule, "attached", placements, where=equipped, elsewhere=attached)
     cells = {"agent": agent, "tool": tool, "object": thing}
     if rule is None:
         del cells["tool"]

@@ -6,6 +6,9 @@ leaves everything as it was, is the same for all tools and stands in `rules.py`.
 
 Cells are flat indices (see `rules.Grid`), `step` is the distance in them of one cell's move, so
 `agent + step` is the cell next to the agent. All cell arguments are integer arrays of one shape.
+
+The picker and the broom are written against the same point as a tool of one's own, which
+`own_tools.py` finds and `check_tool.py` looks over.
 """
 
 from typing import Protocol, runtime_checkable
@@ -13,37 +16,85 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Integer
 
+from habilis.worlds.shapes import SHAPES, Drawing
+
 Cells = Integer[np.ndarray, "*states"]
 Flags = Bool[np.ndarray, "*states"]
 
 
 @runtime_checkable
 class Tool(Protocol):
-    """What a kind of tool must say of itself."""
+    """What a kind of tool must say of itself: a character, and three rules over arrays of cells.
+
+    A tool is any object that has these; it need not inherit from this class. It is asked about
+    many placements at once, in all of which agent, tool and object are in three distinct cells,
+    the tool beside the agent. It may also have a `drawing` (`shapes.Drawing`), its working end to
+    the south. `check_tool` says whether something is one.
+
+    Example:
+        >>> class Rake:
+        ...     character = "R"
+        ...     def attached(self, agent, tool, thing):
+        ...         return np.zeros(thing.shape, bool)
+        ...     def carry(self, agent, tool, thing, step):
+        ...         pulled = (thing - tool == tool - agent) & (step == agent - tool)
+        ...         return np.where(pulled, thing + step, thing)
+        ...     def swing(self, agent, tool, thing, step):
+        ...         return thing
+        >>> isinstance(Rake(), Tool)
+        True
+    """
 
     character: str
     """The character that stands for it on a map."""
 
     def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
-        """Whether the object goes wherever the tool goes."""
+        """Whether the object goes wherever the tool goes.
+
+        Args:
+            agent, tool, thing: their cells, integers of one shape.
+
+        Returns:
+            Bool of that shape.
+        """
         ...
 
     def carry(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
-        """The object's new cell when the agent moves by `step` and its tool with it."""
+        """The object's new cell when the agent moves by `step` and its tool with it.
+
+        Args:
+            agent, tool, thing: their cells, integers of one shape.
+            step: the distance, in cells, of the agent's move.
+
+        Returns:
+            Cells, in that shape; those of `thing` where the tool leaves it alone.
+        """
         ...
 
     def swing(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
-        """The object's new cell when the tool is put on the side `agent + step`."""
+        """The object's new cell when the tool is put on the side `agent + step`.
+
+        Args:
+            agent, tool, thing: their cells, integers of one shape.
+            step: the distance, in cells, from the agent to that side.
+
+        Returns:
+            Cells, in that shape; those of `thing` where the tool leaves it alone.
+        """
         ...
 
 
 class Picker:
-    """Holds an object that stands behind it in line with the agent (rules 3 to 5)."""
+    """Holds an object that stands behind it in line with the agent (rules 3 to 5).
+
+    Attached: agent, picker and object stand in one straight line in that order. Such an object goes
+    with the picker, carried or swung.
+    """
 
     character = "P"
+    drawing = SHAPES["picker"]
 
     def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
-        """Agent, picker and object stand in one straight line in that order (rule 4)."""
         return thing - tool == tool - agent
 
     def carry(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
@@ -57,6 +108,7 @@ class Broom:
     """Pushes an object that it is carried into (rule 3); swinging it sweeps nothing (rule 5)."""
 
     character = "B"
+    drawing = SHAPES["broom"]
 
     def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
         return np.zeros(np.shape(thing), bool)
@@ -71,12 +123,14 @@ class Broom:
 TOOLS: dict[str, Tool] = {"picker": Picker(), "broom": Broom()}
 
 
-def tool_named(name: str) -> Tool:
-    """The tool of that name.
+def name_of(tool: Tool) -> str:
+    """What a tool is called: a built-in one by its kind, one's own as "module:Class"."""
+    for kind, known in TOOLS.items():
+        if type(tool) is type(known):
+            return kind
+    return f"{type(tool).__module__}:{type(tool).__qualname__}"
 
-    Raises:
-        ValueError: there is none; the message lists those there are.
-    """
-    if name not in TOOLS:
-        raise ValueError(f"tool {name!r} is unknown; use one of {', '.join(TOOLS)}, none")
-    return TOOLS[name]
+
+def drawing_of(tool: Tool) -> Drawing:
+    """How a tool is drawn, its working end to the south: as it says, or as any tool."""
+    return getattr(tool, "drawing", SHAPES["tool"])

@@ -12,7 +12,8 @@ from habilis.studies.reconstruction.annealing import Schedule
 from habilis.studies.reconstruction.search import Report, attempts
 from habilis.studies.scenes import Scene
 from habilis.studies.stated import StatedMap, load_stated
-from habilis.worlds.world import COMMENT, World, load_world, world_names
+from habilis.worlds.characters import COMMENT
+from habilis.worlds.world import World, load_world, world_names
 
 
 def reconstruct(args: Namespace) -> int:

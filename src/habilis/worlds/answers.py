@@ -1,0 +1,135 @@
+"""What a tool answers, looked over before it is believed.
+
+Whoever wrote the tool, it is asked only about placements with the tool in hand, cannot change the
+arrays it is shown, and an answer that the map has no place for is an error with a name: it never
+becomes a cell somewhere else.
+"""
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from habilis.worlds.own_tools import failure
+from habilis.worlds.tools import Cells, Flags, Tool, name_of
+
+if TYPE_CHECKING:
+    from habilis.worlds.rules import Grid
+
+Method = Literal["attached", "carry", "swing"]
+Placements = tuple[Cells, Cells, Cells]
+"""The cells of agent, tool and object."""
+
+NEAR = 2  # cells; see `rules.BORDER`
+_WRITE = "leave the arguments as they are and return new arrays, as np.where makes them"
+_DIRECTIONS = ("north", "east", "south", "west")
+
+
+def answers(
+    grid: "Grid",
+    rule: Tool,
+    method: Method,
+    placements: Placements,
+    *step: int,
+    where: Flags,
+    elsewhere: Any,
+) -> Any:
+    """What a tool says of the placements in which it is in hand.
+
+    Args:
+        grid: the map.
+        rule: the tool.
+        method: what to ask.
+        placements: the cells of agent, tool and object.
+        step: of the move or swing; none for "attached".
+        where: in which the tool is in hand.
+        elsewhere: what to return for all others, an array of the shape of the cells.
+
+    Raises:
+        ValueError: it fails, or its answer is of another shape or kind, or no place on the map.
+    """
+    if where.all():
+        return ask(grid, rule, method, placements, *step)
+    told = elsewhere.copy()
+    if where.any():
+        agent, tool, thing = (cells[where] for cells in placements)
+        told[where] = ask(grid, rule, method, (agent, tool, thing), *step)
+    return told
+
+
+def ask(grid: "Grid", rule: Tool, method: Method, placements: Placements, *step: int) -> Any:
+    """What a tool says of placements in all of which it is in hand; see `answers`."""
+    try:
+        told = np.asarray(getattr(rule, method)(*map(_unwritable, placements), *step))
+    except Exception as error:
+        mend = _WRITE if "read-only" in str(error) else "mend it"
+        raise refusal(rule, method, f"fails with {failure(error)}", mend) from error
+    thing = placements[2]
+    wanted, kind = ("bool", "b") if method == "attached" else ("integer cells", "iu")
+    if told.shape != thing.shape or told.dtype.kind not in kind:
+        raise refusal(
+            rule,
+            method,
+            f"returns {told.dtype} of shape {told.shape} for cells of shape {thing.shape}",
+            f"return {wanted} of that shape",
+        )
+    if method == "attached":
+        return told
+    told = told.astype(thing.dtype, copy=False)
+    moved = told != thing
+    if moved.any():
+        _check_near(grid, rule, method, placements, step[0], told, moved)
+    return told
+
+
+def refusal(
+    rule: Tool,
+    method: str,
+    problem: str,
+    mend: str,
+    placement: str = "",
+) -> ValueError:
+    """The error that names the tool, what is wrong with it and where, and the mend."""
+    where = f" with {placement}" if placement else ""
+    return ValueError(f"tool {name_of(rule)!r}: {method} {problem}{where}; {mend}")
+
+
+def described(grid: "Grid", placements: Placements, index: int, *step: int) -> str:
+    """One of some placements in words, and what is done in it."""
+    agent, tool, thing = (grid.cell(cells[index]) for cells in placements)
+    told = f"agent {agent}, tool {tool}, object {thing}"
+    return f"{told}, {_DIRECTIONS[grid.steps.index(step[0])]}" if step else told
+
+
+def _check_near(
+    grid: "Grid",
+    rule: Tool,
+    method: Method,
+    placements: Placements,
+    step: int,
+    told: Cells,
+    moved: Flags,
+) -> None:
+    """Refuses an object that lands where the map's border may not reach."""
+    target = told[moved]
+    near = np.zeros(target.shape, bool)
+    for cells in placements:
+        away = target - cells[moved]
+        # Within the border rows do not run into each other: this is the distance in both.
+        corner = NEAR * grid.stride + NEAR
+        columns = (away + corner) % grid.stride
+        near |= (columns <= 2 * NEAR) & (away >= -corner) & (away <= corner)
+    if not near.all():
+        index = int(np.flatnonzero(moved)[np.argmin(near)])
+        raise refusal(
+            rule,
+            method,
+            f"puts the object at {grid.cell(told[index])}",
+            f"let it land within {NEAR} rows and columns of the agent, the tool or where it was",
+            described(grid, placements, index, step),
+        )
+
+
+def _unwritable(cells: Cells) -> Cells:
+    view = np.asarray(cells).view()
+    view.flags.writeable = False
+    return view

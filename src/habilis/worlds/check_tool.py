@@ -1,0 +1,225 @@
+"""Whether something is a tool, as far as asking it shows.
+
+It is asked about every placement with the tool in hand on a few small maps without walls. All that
+the engine relies on is checked; what the tool does is its own affair.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from habilis.worlds.answers import Method, Placements, ask, described, refusal
+from habilis.worlds.own_tools import as_tool
+from habilis.worlds.rules import Grid
+from habilis.worlds.shapes import Drawing, Shape
+from habilis.worlds.tools import Cells, Tool, drawing_of
+from habilis.worlds.world import World
+
+_HEIGHT, _WIDTH = 7, 8
+_OTHER_WIDTHS = (13, 3, 1)  # of maps that a tool must not tell from the first
+_ONE_BY_ONE = 97  # placements are many: every so-manieth is asked about alone
+_MOVING: tuple[Method, ...] = ("carry", "swing")
+
+
+def check_tool(tool: "str | type | Tool") -> None:
+    """Refuses what is no tool, or not one that the rules can rely on.
+
+    Args:
+        tool: a tool, its class, or its name, such as "mytools.py:Rake".
+
+    Raises:
+        ValueError: the first thing that is wrong, for which placement (cells as (row, column)),
+            and the mend, in one line. Checked are its character and drawing; the shapes and kinds
+            of what `attached`, `carry` and `swing` return, for many placements, one, and none;
+            that they leave their arguments alone, answer each placement for itself, the same
+            every time, and the same wherever on whatever map it is; that an object lands where
+            the map's border reaches; and that what is called attached goes with the tool and
+            stays attached.
+
+    Example:
+        >>> from habilis.worlds.tools import Picker
+        >>> check_tool(Picker())
+        >>> class Careless(Picker):
+        ...     def carry(self, agent, tool, thing, step):
+        ...         return thing
+        >>> check_tool(Careless)  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ...
+        ValueError: tool '...Careless': carry leaves an object behind that is called attached...
+    """
+    rule = as_tool(tool)
+    _check_drawing(rule)
+    room = _Room.of(_WIDTH)
+    questions = list(room.questions(rule))
+    _check_again(questions)
+    for question in questions:
+        _check_none_and_one(question)
+        _check_place(question)
+    for width in _OTHER_WIDTHS:
+        _check_map(room, _Room.of(width), rule)
+    _check_attached(room, rule)
+
+
+@dataclass(frozen=True)
+class _Room:
+    """A map without walls, and every placement on it with the tool in hand."""
+
+    grid: Grid
+    placements: Placements
+
+    @classmethod
+    def of(cls, width: int) -> "_Room":
+        grid = Grid.of(World("room", _HEIGHT, width, frozenset(), (0, 0), (1, 0), (2, 0)))
+        agent, tool = (
+            np.concatenate(cells)
+            for cells in zip(*((grid.free, grid.free + s) for s in grid.steps), strict=True)
+        )
+        inside = ~grid.wall[tool]
+        agent, tool = (np.repeat(cells[inside], len(grid.free)) for cells in (agent, tool))
+        thing = np.tile(grid.free, inside.sum())
+        apart = (thing != agent) & (thing != tool)
+        return cls(grid, (agent[apart], tool[apart], thing[apart]))
+
+    def questions(self, rule: Tool) -> "Iterator[_Question]":
+        """All that a tool can be asked about the placements."""
+        yield _Question(self, rule, "attached")
+        for step in self.grid.steps:
+            for method in _MOVING:
+                yield _Question(self, rule, method, (step,))
+
+
+@dataclass(frozen=True)
+class _Question:
+    """Something asked of a tool about all placements in a room."""
+
+    room: _Room
+    rule: Tool
+    method: Method
+    step: tuple[int, ...] = ()
+
+    def ask(self, *placements: Cells):
+        agent, tool, thing = placements or self.room.placements
+        return ask(self.room.grid, self.rule, self.method, (agent, tool, thing), *self.step)
+
+    def refuse(self, problem: str, mend: str, index: int) -> ValueError:
+        where = described(self.room.grid, self.room.placements, index, *self.step)
+        return refusal(self.rule, self.method, problem, mend, where)
+
+
+def _check_drawing(rule: Tool) -> None:
+    drawing: Drawing = drawing_of(rule)
+    problem = ""
+    if not isinstance(drawing, tuple) or not all(isinstance(shape, Shape) for shape in drawing):
+        problem = f"is {type(drawing).__name__}, not a tuple of Shape"
+    elif any(not (0 <= x <= 1 and 0 <= y <= 1) for shape in drawing for x, y in shape.points):
+        problem = "leaves its cell"
+    if problem:
+        raise refusal(
+            rule, "drawing", problem, "give a tuple of shapes.Shape, with points from 0 to 1"
+        )
+
+
+def _check_none_and_one(question: _Question) -> None:
+    """Each placement is answered for itself, however many are asked about together."""
+    none = question.room.placements[0][:0]
+    question.ask(none, none, none)
+    together = question.ask()
+    for index in range(0, len(together), _ONE_BY_ONE):
+        alone = question.ask(*(c[index : index + 1] for c in question.room.placements))
+        if alone[0] != together[index]:
+            raise question.refuse(
+                "answers otherwise when asked about one placement alone",
+                "decide on each entry of the arrays by itself",
+                index,
+            )
+
+
+def _check_again(questions: "list[_Question]") -> None:
+    """The same question has the same answer, whatever was asked in between, and in what order."""
+    answers = [question.ask() for question in questions]
+    for question, first in reversed(list(zip(questions, answers, strict=True))):
+        again = question.ask(*(cells[::-1] for cells in question.room.placements))[::-1]
+        if (again != first).any():
+            raise question.refuse(
+                "answers otherwise when asked again",
+                "let nothing but its arguments decide: no chance, nothing remembered, and each "
+                "entry of the arrays by itself",
+                int(np.argmax(again != first)),
+            )
+
+
+def _check_place(question: _Question) -> None:
+    """A placement further south or east has the same answer, further south or east."""
+    grid, told = question.room.grid, question.ask()
+    moving = question.method != "attached"
+    for shift in (grid.stride, 1):
+        moved = tuple(cells + shift for cells in question.room.placements)
+        kept = ~(grid.wall[moved[0]] | grid.wall[moved[1]] | grid.wall[moved[2]])
+        there = question.ask(*(cells[kept] for cells in moved))
+        here = told[kept] + shift if moving else told[kept]
+        if (there != here).any():
+            index = int(np.flatnonzero(kept)[np.argmax(there != here)])
+            raise question.refuse(
+                "answers otherwise one cell to the " + ("south" if shift > 1 else "east"),
+                "work with differences of cells and with `step`, not with the cells' numbers",
+                index,
+            )
+
+
+def _check_map(room: _Room, other: _Room, rule: Tool) -> None:
+    """What happens in the same cells of a wider or narrower map is the same."""
+    for question, there in zip(room.questions(rule), other.questions(rule), strict=True):
+        cells, told = _coordinates(question)
+        other_cells, other_told = _coordinates(there)
+        known = {key: at for at, key in enumerate(map(bytes, other_cells))}
+        pairs = [(at, known[key]) for at, key in enumerate(map(bytes, cells)) if key in known]
+        here, at = np.array(pairs).T
+        differs = (told[here] != other_told[at]).any(axis=1)
+        if differs.any():
+            raise question.refuse(
+                f"answers otherwise on a map {other.grid.width} columns wide",
+                "work with differences of cells and with `step`, and look no further along a row "
+                "than four cells: beyond, the next row begins",
+                int(here[np.argmax(differs)]),
+            )
+
+
+def _coordinates(question: _Question) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns of the placements, int[n, 6], and of the answers, or these as they are."""
+    grid, told = question.room.grid, question.ask()
+
+    def of(cells: Cells) -> list[np.ndarray]:
+        row, column = np.divmod(cells, grid.stride)
+        return [row, column]
+
+    placed = [part for cells in question.room.placements for part in of(cells)]
+    answer = [told] if question.method == "attached" else of(told)
+    return np.stack(placed, axis=1), np.stack(answer, axis=1)
+
+
+def _check_attached(room: _Room, rule: Tool) -> None:
+    """What is called attached goes where the tool goes, and stays attached."""
+    grid = room.grid
+    agent, _, thing = room.placements
+    attached = _Question(room, rule, "attached").ask()
+    for step in grid.steps:
+        carried = _Question(room, rule, "carry", (step,))
+        left = attached & (carried.ask() != thing + step)
+        if left.any():
+            raise carried.refuse(
+                "leaves an object behind that is called attached",
+                "return thing + step for what is attached, or do not call it so",
+                int(np.argmax(left)),
+            )
+        swung = _Question(room, rule, "swing", (step,))
+        side, lands = agent + step, swung.ask()
+        fits = ~grid.wall[side] & ~grid.wall[lands] & (side != lands) & (agent != lands)
+        asked = np.flatnonzero(attached & fits)
+        still = ask(grid, rule, "attached", (agent[asked], side[asked], lands[asked]))
+        if not still.all():
+            raise swung.refuse(
+                "lets an object go that is called attached",
+                "move what is attached so that it stays so, or do not call it so",
+                int(asked[np.argmin(still)]),
+            )
