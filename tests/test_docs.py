@@ -11,6 +11,7 @@ import pytest
 import reference
 
 import habilis
+from habilis.worlds.table import placement
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -41,6 +42,26 @@ def test_commands_that_are_not_run_are_commands(page):
                     assert set(words[1:]) <= set(targets), f"{page.name}, line {line}"
                 else:
                     assert block.not_run, f"{page.name}, line {line}: {words[0]}"
+
+
+def drawings():
+    """Each drawing of the rules: the map before, the action, the map after."""
+    page = (ROOT / "docs" / "explanation" / "rules.md").read_text("utf-8")
+    for block in blocks.blocks(page):
+        for drawing in block.text.strip("\n").split("\n\n"):
+            parts = [re.split(r"\s{2,}", line) for line in drawing.splitlines()]
+            (action,) = (part[1] for part in parts if len(part) == 3)
+            yield [part[0] for part in parts], action, [part[-1] for part in parts]
+
+
+@pytest.mark.parametrize(("before", "action", "after"), list(drawings()))
+def test_the_drawings_of_the_rules_are_what_happens(before, action, after):
+    # What is drawn has no goal: one is put where nothing comes to.
+    below = ["#" * len(before[0]), "G".ljust(len(before[0]), "#")]
+    world = habilis.World.parse("\n".join(before + below))
+    mdp = habilis.tabulate(world)
+    state = mdp.next_state[mdp.start, mdp.actions.index(action)]
+    assert placement(world, mdp, state).text().splitlines() == after + below
 
 
 def page_of(tmp_path, text):
