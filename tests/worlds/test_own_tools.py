@@ -3,6 +3,7 @@
 import inspect
 import json
 import pickle
+import re
 import shutil
 import subprocess
 import sys
@@ -493,3 +494,20 @@ def test_a_tool_that_fails_when_asked_is_one_line_on_the_command_line(folder, ca
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert "carry fails with ZeroDivisionError: division by zero (rake.py, line" in err
+
+
+# What the documentation says
+
+
+def test_the_page_about_it_runs_and_its_rake_is_the_example(folder, monkeypatch):
+    root = EXAMPLE.parents[1]
+    page = (root / "docs" / "how-to" / "own-tool.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert blocks[0].split("class")[1] == EXAMPLE.read_text().split("class")[1]
+    shutil.copytree(root / "examples", folder / "examples")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", "\n".join(blocks)], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert "leaves an object behind that is called attached" in done.stdout
+    assert sorted(path.name for path in folder.iterdir()) == ["examples", "rake.py"]
