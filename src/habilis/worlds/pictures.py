@@ -61,11 +61,16 @@ def draw_world(ax: Axes, world: World, *, background: bool = True) -> None:
         world: what to draw.
         background: whether to draw the floor with its grid lines, or walls and things alone.
     """
+    _draw_map(ax, world, _things(world, world.agent), background=background)
+
+
+def _draw_map(
+    ax: Axes, world: World, things: Mapping[Cell, Drawing], *, background: bool = True
+) -> None:
     _fit(ax, world)
     if background:
         _draw_floor(ax, world)
     _draw_walls(ax, world)
-    things = _things(world, world.agent)
     _draw(ax, [_at(cell, drawing) for cell, drawing in things.items()])
 
 
@@ -107,7 +112,16 @@ def save_figure(figure: Figure, path: str | Path) -> None:
 
 def frame(world: World, cell: int = 32) -> UInt8[np.ndarray, "height width 3"]:
     """The picture of a world as red, green and blue pixels, `cell` by `cell` of them a cell."""
-    canvas = FigureCanvasAgg(world_figure(world, cell))
+    return rendered(world, _things(world, world.agent), cell)
+
+
+def rendered(
+    world: World, things: Mapping[Cell, Drawing], cell: int
+) -> UInt8[np.ndarray, "height width 3"]:
+    """A map with any drawings in its cells, as pixels."""
+    figure = _figure(cell * world.width, cell * world.height)
+    _draw_map(figure.add_axes((0, 0, 1, 1)), world, things)
+    canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
@@ -344,13 +358,29 @@ def _things(world: World, agent: Cell | None) -> dict[Cell, Drawing]:
         things[world.tool_cell] = _tool(world.tool, world.tool_cell, agent)
     if agent is not None:
         things[agent] = SHAPES["agent"]
-    if world.object == world.goal:
-        things[world.goal] = SHAPES["full bin"]
-    elif world.goal in things:
-        things[world.goal] += placed(SHAPES["bin"], 0.56, 0.54, 0.44)
-    else:
-        things[world.goal] = SHAPES["bin"]
+    things[world.goal] = on_goal(things.get(world.goal))
     return things
+
+
+def looks(world: World) -> dict[str, Drawing]:
+    """How things can look in a cell of the world: "agent", "can", and with a tool "tool".
+
+    The tool in hand looks otherwise on each side of the agent: "north", "east", "south", "west".
+    """
+    things = {"agent": SHAPES["agent"], "can": SHAPES["can"]}
+    if world.tool != NO_TOOL:
+        things["tool"] = _tool(world.tool, (0, 0), None)
+        things |= {side: _tool(world.tool, step, (0, 0)) for step, side in _SIDES.items()}
+    return things
+
+
+def on_goal(thing: Drawing | None) -> Drawing:
+    """What is seen in the goal cell: the bin, with the can in it, or in a corner beside a thing."""
+    if thing is None:
+        return SHAPES["bin"]
+    if thing == SHAPES["can"]:
+        return SHAPES["full bin"]
+    return thing + placed(SHAPES["bin"], 0.56, 0.54, 0.44)
 
 
 def _tool(name: str, cell: Cell, agent: Cell | None) -> Drawing:
