@@ -164,6 +164,6 @@ def test_a_video_says_which_extra_it_needs(tmp_path: Path, monkeypatch: pytest.M
 
 def test_ffmpegs_complaint_is_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("habilis.worlds.films._COLOURS", "sepia")
-    with pytest.raises(OSError, match="ffmpeg: .*sepia"):
+    with pytest.raises(OSError, match=r"ffmpeg: .*sepia"):
         save_mp4(walk(), tmp_path / "walk.mp4")
     assert not list(tmp_path.iterdir())
