@@ -10,7 +10,6 @@ import pytest
 
 import habilis as hb
 from habilis.cli import main
-from habilis.empowerment.measures import world_landscape
 
 VERBS = (
     *("worlds", "solve", "empowerment", "landscape", "futures", "compare"),
@@ -68,7 +67,7 @@ def test_landscape_is_null_where_the_agent_cannot_be(capsys, tmp_path):
     arguments = ("landscape", "corridor", "--sensor", "object", "--horizon", "6")
     _, found = run_json(capsys, *arguments, "--out", str(picture))
     values = np.array(found["values"], float)
-    expected = world_landscape(hb.load_world("corridor"), 6, "object")
+    expected = hb.landscape(hb.load_world("corridor"), 6, "object").values
     np.testing.assert_array_equal(values, expected)
     assert np.isnan(values[2, 0])
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -179,8 +178,8 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         (["landscape", "yard", "--horizon", "1", "--sensor", "smell"], "state, agent, tool"),
         (["landscape", "yard", "--horizon", "1", "--object-at", "0"], "--object-at"),
         (["landscape", "yard", "--horizon", "1", "--object-at", "1,0"], "distinct free cells"),
-        (["landscape", "yard", "--horizon", "1", "--out", "f.bmp"], ".png"),
-        (["empowerment", "yard", "--horizon", "1", "--out", "f.txt"], ".csv or .parquet"),
+        (["landscape", "yard", "--horizon", "1", "--out", "f.bmp"], ".png, .svg, .pdf, .csv"),
+        (["empowerment", "yard", "--horizon", "1", "--out", "f.txt"], ".csv, .parquet, .npz"),
         (["empowerment", "yard", "--horizon", "1", "--actions", "jump"], "all, moves, tool"),
         (["empowerment", "yard", "--horizon", "1", "--actions", "9"], "indices from 0 to 7"),
         (["empowerment", "gym:No-v0", "--horizon", "1"], "No-v0"),
