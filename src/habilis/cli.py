@@ -191,8 +191,9 @@ def compare(args: Args) -> int:
             {"averages": averages, "horizon": args.horizon, "unit": args.unit, "tools": judged}
         )
     print(f"average {args.horizon}-step object empowerment, in {args.unit}")
+    width = max(10, *map(len, averages))
     for tool in ranking(averages):
-        line = f"{tool:>10}  {averages[tool]:.4f}"
+        line = f"{tool:>{width}}  {averages[tool]:.4f}"
         if tool in verdicts:
             verdict = verdicts[tool]
             better = verdict.better_than_none_on_average

@@ -341,8 +341,8 @@ def test_a_copy_of_the_picker_has_the_pickers_table_and_numbers(copied):
                 assert one.tobytes() == other.tobytes()
         for horizon in range(1, 5):
             for sensor in ("state", "object"):
-                bits = (hb.empowerment(mdp, horizon, sensor) for mdp in (own, ours))
-                np.testing.assert_array_equal(*bits)
+                one, other = (hb.empowerment(mdp, horizon, sensor) for mdp in (own, ours))
+                np.testing.assert_array_equal(one, other)
 
 
 def test_a_copy_of_the_picker_is_as_useful_and_has_its_futures(copied):

@@ -49,7 +49,7 @@ def compared_states(mdp: TabularMDP) -> np.ndarray:
 
 def compare(
     world: World,
-    tools: Sequence[str | Tool],
+    tools: Sequence[str | Tool | type],
     horizon: int,
     slip: float = 0.0,
     **options: Unpack[Options],
