@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from habilis.cache import fingerprint
 from habilis.learning import intrinsic
 from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.episodes import Ledger
