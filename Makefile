@@ -57,7 +57,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 		{ echo "Habilis needs Python 3.11 or newer; call make PYTHON=python3.12, say"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,dev]"
+		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,video,dev]"
 	touch $@
 
 clean:

@@ -101,7 +101,7 @@ def test_it_draws_on_any_axes(found: hb.Landscape):
     assert heat.get_clim() == (0, 4)
     assert axes[1].get_title() == "mine"
     assert not axes[0].collections
-    assert len(axes[1].texts) == 9
+    assert len(axes[1].artists) == 1
     figure.colorbar(heat, ax=axes[1], label=found.unit)
     figure.canvas.draw()
     plt.close(figure)
@@ -111,15 +111,15 @@ def test_without_axes_it_draws_on_the_current_ones(found: hb.Landscape):
     figure, axes = plt.subplots(1, 2)
     plt.sca(axes[0])
     assert found.draw(labels=False).axes is axes[0]
-    assert not axes[0].texts
+    assert not axes[0].artists
     assert axes[0].get_title() == "2-step empowerment, sensor 'object'"
     plt.close(figure)
 
 
 def test_it_can_be_drawn_at_once():
-    ax = Figure().add_subplot()
-    drawn = hb.landscape(ROOM, 2, "object", ax=ax)
-    shown = heats(ax.get_figure(root=True))[0].get_array()
+    figure = Figure()
+    drawn = hb.landscape(ROOM, 2, "object", ax=figure.add_subplot())
+    shown = heats(figure)[0].get_array()
     np.testing.assert_array_equal(shown, drawn.values[np.isfinite(drawn.values)])
 
 

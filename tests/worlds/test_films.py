@@ -1,6 +1,7 @@
 """A film shows the frames it was given: the file is read back and looked at."""
 
 import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
+from video import read_mp4
 
 import habilis as hb
 from habilis.extras import MissingExtraError
@@ -57,14 +59,6 @@ def told_of(path: Path) -> str:
     """What ffmpeg says of a file."""
     ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
     return subprocess.run([ffmpeg, "-i", path], capture_output=True, text=True).stderr
-
-
-def read_mp4(path: Path, width: int, height: int) -> np.ndarray:
-    """uint8[frames, height, width, 3]"""
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-i", path]
-    command += ["-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
-    pixels = subprocess.run(command, capture_output=True, check=True).stdout
-    return np.frombuffer(pixels, np.uint8).reshape(-1, height, width, 3)
 
 
 def test_a_video_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
@@ -156,7 +150,7 @@ def test_a_place_that_cannot_be_written_is_an_os_error(tmp_path: Path):
 
 
 def test_a_video_says_which_extra_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setitem(__import__("sys").modules, "imageio_ffmpeg", None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(MissingExtraError, match=r"habilis\[video\]"):
         save_mp4(walk(), tmp_path / "walk.mp4")
     assert not list(tmp_path.iterdir())

@@ -1,8 +1,11 @@
 """A value for every cell of a map: heat maps that stay readable."""
 
+from functools import cached_property
+
 import numpy as np
 from jaxtyping import Float
 from matplotlib import colormaps
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.collections import PolyCollection
@@ -19,6 +22,7 @@ HEAT = ListedColormap(colormaps["viridis"](np.linspace(0.2, 1, 256)), name="heat
 SMALLEST = 7.0
 """The smallest text in points; a label that would be smaller is left out."""
 
+_FONT = 0.32  # of a label, in cells
 _HALFWAY = 0.179  # the luminance on which black and white contrast alike
 
 
@@ -66,12 +70,11 @@ def draw_heat(
     heat.set_array(np.array([values[cell] for cell in valued]))
     heat.set_clim(*scale_of(values, vmin, vmax))
     ax.add_collection(heat, autolim=False)
-    labelled = valued if labels else []
     things = things_of(world, world.agent if agent else None)
-    draw_shapes(ax, [_small(cell, things[cell], above_label=cell in labelled) for cell in things])
-    for cell in labelled:
-        ink = _ink(np.array(HEAT(heat.norm(values[cell]))))
-        ax.add_artist(_Label(cell, values[cell], ink, below=cell in things))
+    above = {cell: labels and bool(np.isfinite(values[cell])) for cell in things}
+    draw_shapes(ax, [_small(cell, things[cell], above_label=above[cell]) for cell in things])
+    if labels:
+        ax.add_artist(_Labels(values, heat, set(things)))
     if title is not None:
         _set_title(ax, world, title)
     return heat
@@ -113,26 +116,42 @@ def _set_title(ax: Axes, world: World, title: str) -> None:
     text.set_fontsize(min(text.get_fontsize(), max(SMALLEST, fitting)))
 
 
-class _Label(Text):
-    """A value in its cell; the font follows the cell's size, whatever becomes of the axes."""
+class _Labels(Artist):
+    """The values in their cells; the font follows the cells' size, whatever becomes of the axes."""
 
-    def __init__(self, cell: Cell, value: float, ink: str, *, below: bool) -> None:
-        row, column = cell
-        middle, self._part = (0.82, 0.28) if below else (0.5, 0.32)
-        super().__init__(column + 0.5, row + middle, f"{value:z.1f}", color=ink)
-        self.set(ha="center", va="center_baseline", in_layout=False)  # never larger than its cell
+    def __init__(
+        self, values: Float[np.ndarray, "rows columns"], heat: PolyCollection, below: set[Cell]
+    ) -> None:
+        super().__init__()
+        self._values, self._heat, self._below = values, heat, below
+        self.set(in_layout=False, zorder=3)  # never larger than the cells
 
     def draw(self, renderer: RendererBase) -> None:
-        """Sets the font to the size that the cell has now; too small to read, it is left out."""
-        if self.axes is None or self.figure is None:
-            return
+        """Sets the font to the size that a cell has now; too small to read, labels are left out."""
+        assert self.axes is not None
+        assert self.axes.figure is not None
         ends = self.axes.transData.transform([(0, 0), (1, 1)])
-        points = self._part * np.abs(ends[1] - ends[0]).min() * 72 / self.figure.dpi
-        if points < SMALLEST:
-            return
-        if points != self.get_fontsize():
-            self.set_fontsize(points)
-        super().draw(renderer)
+        points = np.abs(ends[1] - ends[0]).min() * 72 / self.axes.figure.dpi
+        if _FONT * points < SMALLEST:
+            return  # before there are any: they may be very many
+        for text in self.texts:
+            text.set_fontsize(_FONT * points)
+            text.draw(renderer)
+
+    @cached_property
+    def texts(self) -> list[Text]:
+        assert self.axes is not None
+        cells = np.argwhere(np.isfinite(self._values))
+        inks = _inks(self._heat.to_rgba(self._values[tuple(cells.T)]))
+        texts = []
+        for (row, column), ink in zip(cells.tolist(), inks, strict=True):
+            middle = 0.82 if (row, column) in self._below else 0.5
+            value = f"{self._values[row, column]:z.1f}"
+            text = Text(column + 0.5, row + middle, value, color=ink)
+            text.set(ha="center", va="center_baseline", transform=self.axes.transData)
+            text.set(figure=self.axes.figure, clip_box=self.axes.bbox, clip_on=True)
+            texts.append(text)
+        return texts
 
 
 def _placed(cell: Cell, drawing: Drawing) -> Drawing:
@@ -147,8 +166,9 @@ def _small(cell: Cell, drawing: Drawing, *, above_label: bool) -> Drawing:
     return placed(SHAPES["plate"] + drawing, column + left, row + top, size)
 
 
-def _ink(background: Float[np.ndarray, "rgba"]) -> str:
+def _inks(backgrounds: Float[np.ndarray, "n rgba"]) -> list[str]:
     """Black or white, whichever has the higher contrast (as WCAG 2 defines it)."""
-    part = background[:3]
+    part = backgrounds[:, :3]
     linear = np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
-    return "black" if linear @ (0.2126, 0.7152, 0.0722) > _HALFWAY else "white"
+    light = linear @ (0.2126, 0.7152, 0.0722)
+    return np.where(light > _HALFWAY, "black", "white").tolist()
