@@ -1,61 +1,61 @@
-"""Gymnasium's RecordVideo films our frames."""
+"""Gymnasium's RecordVideo films our environments."""
 
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 import numpy as np
+import pytest
 from gymnasium.wrappers import RecordVideo
+from gymnasium.wrappers.vector import RecordVideo as RecordVectorVideo
 from video import read_mp4
 
-import habilis as hb
-from habilis.worlds.tiles import Tiles
+import habilis  # noqa: F401  # registers its environments
 
-ROOM = hb.World.parse("#####G\n#..C..\n#..AP.\n#.....\n", name="room")
+ROOM = "#####G\n#..C..\n#..AP.\n#.....\n"
 ACTIONS = (3, 0, 1, 1, 0)
+SIZE = (6 * 32, 4 * 32)
 
 
-class Watched(gymnasium.Env):
-    """A world that plays a list of actions, whatever it is told."""
-
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 5}  # noqa: RUF012
-    observation_space = gymnasium.spaces.Discrete(1)
-    action_space = gymnasium.spaces.Discrete(1)
-    render_mode = "rgb_array"
-
-    def __init__(self, world: hb.World) -> None:
-        self.mdp, self.tiles = hb.tabulate(world), Tiles.of(world)
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
-        super().reset(seed=seed)
-        self.state, self.steps = self.mdp.start, 0
-        return 0, {}
-
-    def step(self, action: int):
-        self.state = self.mdp.next_state[self.state, ACTIONS[self.steps]]
-        self.steps += 1
-        return 0, -1.0, self.steps == len(ACTIONS), False, {}
-
-    def render(self) -> np.ndarray:
-        cells = (self.mdp.factor(name)[self.state] for name in ("agent", "tool", "object"))
-        return self.tiles.frame(*map(int, cells))
+def films(folder: Path) -> list[Path]:
+    return sorted(folder.glob("*.mp4"))
 
 
-def test_recorded_episodes_show_every_state(tmp_path: Path):
-    env = RecordVideo(Watched(ROOM), str(tmp_path / "films"), episode_trigger=lambda _: True)
-    frames: list[np.ndarray] = []
+def assert_filmed(film: Path, frames: list[np.ndarray]) -> None:
+    filmed = read_mp4(film, *SIZE)
+    assert len(filmed) == len(frames)
+    for picture, drawn in zip(filmed, frames, strict=True):
+        assert np.abs(picture.astype(int) - drawn).mean() < 5
+
+
+def test_recorded_episodes_show_every_state(tmp_path):
+    env = gymnasium.make(
+        "habilis/World-v0", world=ROOM, max_steps=len(ACTIONS), render_mode="rgb_array"
+    )
+    env = RecordVideo(env, str(tmp_path / "films"), episode_trigger=lambda _: True)
+    frames = []
     for _ in range(2):
-        env.reset()
-        frames, ended = [env.render()], False
-        while not ended:
-            ended = env.step(0)[2]
-            frames.append(env.render())
+        env.reset(seed=0)
+        frames = [np.asarray(env.render())]
+        for action in ACTIONS:
+            env.step(action)
+            frames.append(np.asarray(env.render()))
     env.close()
-    films = sorted((tmp_path / "films").glob("*.mp4"))
-    assert [film.name for film in films] == [f"rl-video-episode-{n}.mp4" for n in (0, 1)]
-    for film in films:
-        filmed = read_mp4(film, 6 * 32, 4 * 32)
-        assert len(filmed) == len(frames) == 1 + len(ACTIONS)
-        for picture, drawn in zip(filmed, frames, strict=True):
-            assert np.abs(picture.astype(int) - drawn).mean() < 5
+    found = films(tmp_path / "films")
+    assert [film.name for film in found] == [f"rl-video-episode-{n}.mp4" for n in (0, 1)]
+    for film in found:
+        assert_filmed(film, frames)
     assert (frames[0] != frames[-1]).any()
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_a_vector_environment_is_filmed_too(tmp_path, mode):
+    envs = gymnasium.make_vec(
+        "habilis/World-v0", num_envs=2, world=ROOM, render_mode="rgb_array", autoreset_mode=mode
+    )
+    films_in = tmp_path / "films"
+    envs = RecordVectorVideo(envs, str(films_in), step_trigger=lambda n: n == 0, video_length=3)
+    envs.reset(seed=0)
+    for action in ACTIONS:
+        envs.step(np.array([action, action]))
+    envs.close()
+    assert len(films(films_in)) == 1
