@@ -42,14 +42,15 @@ class Watched(gymnasium.Env):
 
 
 def test_recorded_episodes_show_every_state(tmp_path: Path):
-    env = RecordVideo(Watched(ROOM), str(tmp_path / "films"), episode_trigger=lambda _: True)
+    watched = Watched(ROOM)
+    env = RecordVideo(watched, str(tmp_path / "films"), episode_trigger=lambda _: True)
     frames: list[np.ndarray] = []
     for _ in range(2):
         env.reset()
-        frames, ended = [env.render()], False
+        frames, ended = [watched.render()], False
         while not ended:
             ended = env.step(0)[2]
-            frames.append(env.render())
+            frames.append(watched.render())
     env.close()
     films = sorted((tmp_path / "films").glob("*.mp4"))
     assert [film.name for film in films] == [f"rl-video-episode-{n}.mp4" for n in (0, 1)]
