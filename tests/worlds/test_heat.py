@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from labels import labels_on
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
@@ -49,11 +50,6 @@ def values_of(world: World) -> np.ndarray:
     for cell in {*world.walls, world.tool_cell, world.object}:
         values[cell] = np.nan
     return values
-
-
-def labels_on(ax: Axes) -> list[Text]:
-    """The values printed on the axes."""
-    return [text for artist in ax.artists for text in getattr(artist, "texts", [])]
 
 
 def labels_of(world: World, values: np.ndarray, **settings) -> list[Text]:

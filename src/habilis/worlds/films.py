@@ -80,7 +80,7 @@ def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int
     video = import_from("imageio_ffmpeg", extra="video")
     with TemporaryDirectory() as folder, TemporaryFile() as complaints:
         film = Path(folder) / "film.mp4"
-        command = [
+        command = [  # ffmpeg below 7.1 converts to the colours that it is told of by "scale" only
             *(video.get_ffmpeg_exe(), "-loglevel", "error"),
             *("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate),
             *("-i", "-", "-vf", f"scale=out_color_matrix={_COLOURS}:out_range=tv"),
