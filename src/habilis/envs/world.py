@@ -223,7 +223,7 @@ class Scene:
             raise ValueError(
                 f"render_mode {render_mode!r} is unknown; use one of {', '.join(_MODES)}"
             )
-        found = _world(world)
+        found = as_world(world)
         found = found if tool is None else found.with_tool(tool)
         mdp = tabulate(found)
         columns: dict[str, np.ndarray] = dict(mdp.flags)
@@ -258,7 +258,7 @@ class Scene:
         return self.draw(states)
 
 
-def _world(world: World | str | Path) -> World:
+def as_world(world: World | str | Path) -> World:
     """A world as it is, by its name or path, or from its text."""
     if isinstance(world, World):
         return world
