@@ -27,6 +27,9 @@ def average_empowerment(
         sensor: as in `empowerment`.
         **options: of `empowerment`, such as unit="nats".
 
+    Returns:
+        Bits, or nats where these are asked for.
+
     Raises:
         ValueError: as in `empowerment`, or the tool can never be in hand.
 
@@ -64,7 +67,8 @@ def compare(
         **options: of `empowerment`.
 
     Returns:
-        Bits by the tool's name (see `World.with_tool`).
+        Bits by the tool's name (see `World.with_tool`): the average over all placements with the
+        tool in hand or, for "none", over all placements.
 
     Raises:
         ValueError: no tools, an unknown one, two of one name, or a map that has no place for one.
