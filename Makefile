@@ -2,12 +2,17 @@
 PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/installed
-SB3 := .venv-sb3
+APART := .venv-integration
 
-.PHONY: test paper quick multiverse check format docs calibrate reconstruct bench bench-sb3 clean
+.PHONY: test test-integration paper quick multiverse check format docs calibrate reconstruct \
+	bench bench-sb3 clean
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest
+
+# With torch, Stable-Baselines3 and gymnax, in an environment of their own.
+test-integration: $(APART)/installed
+	$(APART)/bin/python -m pytest tests/integration tests/envs/test_functional.py
 
 paper: $(INSTALLED)
 	$(BIN)/habilis reproduce --out paper
@@ -45,15 +50,18 @@ reconstruct: $(INSTALLED)
 bench: $(INSTALLED)
 	$(BIN)/habilis bench
 
-# Beside Stable-Baselines3, in an environment of its own: torch is no dependency of ours.
-bench-sb3: $(SB3)/installed
-	$(SB3)/bin/habilis bench sb3
+# Beside Stable-Baselines3, in the environment of the integration tests.
+bench-sb3: $(APART)/installed
+	$(APART)/bin/habilis bench sb3
 
-$(SB3)/installed: pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(SB3)
-	$(SB3)/bin/python -m pip install --quiet --disable-pip-version-check torch==2.13.0
-	$(SB3)/bin/python -m pip install --quiet --disable-pip-version-check \
-		--constraint constraints.txt stable-baselines3==2.9.2 --editable ".[learn,gymnasium]"
+# torch, Stable-Baselines3 and gymnax are no dependencies of ours, and heavy.
+$(APART)/installed: pyproject.toml constraints-integration.txt
+	$(PYTHON) -m venv $(APART)
+	$(APART)/bin/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints-integration.txt torch==2.13.0
+	$(APART)/bin/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints-integration.txt \
+		stable-baselines3==2.9.2 gymnax==1.0.1 six pytest --editable ".[learn,gymnasium]"
 	touch $@
 
 $(INSTALLED): pyproject.toml constraints.txt
@@ -61,8 +69,8 @@ $(INSTALLED): pyproject.toml constraints.txt
 		{ echo "Habilis needs Python 3.11 or newer; call make PYTHON=python3.12, say"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,docs,dev]"
+		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,video,docs,dev]"
 	touch $@
 
 clean:
-	rm -rf .venv $(SB3) paper paper-quick site
+	rm -rf .venv $(APART) paper paper-quick site

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import habilis as hb
 
 ROOT = Path(__file__).parents[1]
@@ -48,10 +50,21 @@ def test_empowerment_stays_a_function_when_its_package_is_imported():
     assert callable(hb.empowerment)
 
 
-def test_constraints_name_packages_and_versions_only():
-    for line in (ROOT / "constraints.txt").read_text().splitlines():
+@pytest.mark.parametrize("name", ["constraints.txt", "constraints-integration.txt"])
+def test_constraints_name_packages_and_versions_only(name):
+    for line in (ROOT / name).read_text().splitlines():
         assert re.fullmatch(r"#.*|[\w.-]+==[\w.]+", line), line
         assert "://" not in line
+
+
+def test_the_integration_tests_see_the_same_versions_but_of_gymnasium():
+    ours, apart = (
+        dict(re.findall(r"^([\w.-]+)==(.*)$", (ROOT / name).read_text(), re.MULTILINE))
+        for name in ("constraints.txt", "constraints-integration.txt")
+    )
+    differ = {name for name in ours.keys() & apart.keys() if ours[name] != apart[name]}
+    assert differ == {"gymnasium"}
+    assert len(ours.keys() & apart.keys()) > 30
 
 
 def test_every_dependency_is_constrained():

@@ -3,6 +3,7 @@
 import copy
 import re
 import warnings
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -268,3 +269,22 @@ def test_an_action_that_there_is_not_is_refused(action):
     env.reset()
     with pytest.raises(ValueError, match=f"action is {action}; use 0 to 7"):
         env.step(action)
+
+
+def test_a_tool_of_ones_own_is_stepped_shown_and_measured():
+    rake = f"{Path(__file__).parents[2] / 'examples' / 'rake.py'}:Rake"
+    toe = {"horizon": 2, "sensor": "object"}
+    env: Any = gymnasium.make(
+        "habilis/Yard-v0", tool=rake, render_mode="rgb_array", measures={"toe": toe}
+    )
+    mdp = hb.tabulate(hb.load_world("yard", tool=rake))
+    bits = hb.empowerment(mdp, **toe)
+    _, info = env.reset(seed=0)
+    for action in (1, 4, 2, 3, 0):
+        inner = env.unwrapped
+        assert info["toe"] == bits[info["state"]]
+        world = placement(inner.world, inner.mdp, inner.state)
+        assert np.array_equal(env.render(), frame(world))
+        after = mdp.next_state[info["state"], action]
+        info = env.step(action)[4]
+        assert info["state"] == after

@@ -6,7 +6,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Int64, UInt8
 
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World
@@ -47,19 +47,13 @@ def observation(kind: str, mdp: TabularMDP, world: World) -> Observation:
     Raises:
         ValueError: no such kind.
     """
-    cells = np.stack([mdp.factors[name] for name in mdp.factors], axis=1)
+    labels = cells(mdp, world)
     if kind == "factors":
-        return _labels(cells, [world.height * world.width] * cells.shape[1])
+        return _labels(labels)
     if kind == "onehot":
-        size = world.height * world.width
-        return _marks(cells, np.zeros((cells.shape[1] * size,), np.uint8), size)
+        return _marks(one_hot(labels))
     if kind == "grid":
-        still = np.zeros((2 + cells.shape[1], world.height, world.width), np.uint8)
-        for cell in world.walls:
-            still[0][cell] = 1
-        still[1][world.goal] = 1
-        size = world.height * world.width
-        return _marks(cells, still, size, first=2)
+        return _marks(grid(labels, world))
     if kind == "rgb":
         return _pictures(mdp, world)
     raise ValueError(f"observation {kind!r} is unknown; use one of {', '.join(KINDS)}")
@@ -70,26 +64,76 @@ def ranks(mdp: TabularMDP) -> Observation:
 
     A table without factors shows the state's index.
     """
+    return _labels(ranked(mdp))
+
+
+@dataclass(frozen=True)
+class Labels:
+    """What a state says of each thing, as a number.
+
+    Attributes:
+        of: int64[S, things].
+        sizes: how many numbers there are for each thing.
+    """
+
+    of: Int64[np.ndarray, "S things"]
+    sizes: list[int]
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Ones over what never changes.
+
+    Attributes:
+        at: int64[S, things], where a state has its ones, `still` laid flat.
+        still: uint8, zeros and ones.
+    """
+
+    at: Int64[np.ndarray, "S things"]
+    still: UInt8[np.ndarray, "*shape"]
+
+
+def cells(mdp: TabularMDP, world: World) -> Labels:
+    """The cells of a world's things."""
+    each = np.stack([mdp.factors[name] for name in mdp.factors], axis=1)
+    return Labels(each.astype(np.int64), [world.height * world.width] * each.shape[1])
+
+
+def ranked(mdp: TabularMDP) -> Labels:
+    """The factors of any table, each counted from 0 among the values that it has."""
     factors = list(mdp.factors.values()) or [np.arange(mdp.states)]
-    ranked = [np.unique(labels, return_inverse=True) for labels in factors]
-    labels = np.stack([places for _, places in ranked], axis=1)
-    return _labels(labels, [len(values) for values, _ in ranked])
+    found = [np.unique(labels, return_inverse=True) for labels in factors]
+    each = np.stack([places for _, places in found], axis=1)
+    return Labels(each.astype(np.int64), [len(values) for values, _ in found])
 
 
-def _labels(labels: Int[np.ndarray, "S factors"], sizes: list[int]) -> Observation:
-    wide = labels.astype(np.int64)
+def one_hot(labels: Labels) -> Marks:
+    """A block of zeros for each thing, and a one in it."""
+    firsts = np.cumsum([0, *labels.sizes])
+    return Marks(labels.of + firsts[:-1], np.zeros((firsts[-1],), np.uint8))
+
+
+def grid(labels: Labels, world: World) -> Marks:
+    """A channel each for walls, goal, and every thing."""
+    still = np.zeros((2 + labels.of.shape[1], world.height, world.width), np.uint8)
+    for cell in world.walls:
+        still[0][cell] = 1
+    still[1][world.goal] = 1
+    firsts = world.height * world.width * np.arange(2, len(still))
+    return Marks(labels.of + firsts, still)
+
+
+def _labels(labels: Labels) -> Observation:
+    of = labels.of
 
     def show(state: Any) -> np.ndarray:
-        return wide[state].copy() if isinstance(state, int) else wide.take(state, axis=0)
+        return of[state].copy() if isinstance(state, int) else of.take(state, axis=0)
 
-    return Observation(gymnasium.spaces.MultiDiscrete(sizes), show)
+    return Observation(gymnasium.spaces.MultiDiscrete(labels.sizes), show)
 
 
-def _marks(
-    cells: Int[np.ndarray, "S things"], still: np.ndarray, size: int, first: int = 0
-) -> Observation:
-    """Ones at the things' cells over what never changes, a block of `size` for each thing."""
-    at = cells + size * np.arange(first, first + cells.shape[1])
+def _marks(marks: Marks) -> Observation:
+    at, still = marks.at, marks.still
 
     def show(state: Any) -> np.ndarray:
         places = at[state]
@@ -114,8 +158,8 @@ def frames(mdp: TabularMDP, world: World, cell: int) -> Show:
     tiles = Tiles.of(world, cell)
 
     def show(states: Any) -> np.ndarray:
-        cells = {name: labels[np.atleast_1d(states)] for name, labels in mdp.factors.items()}
-        pictures = tiles.frames(cells["agent"], cells.get("tool"), cells["object"])
+        at = {name: labels[np.atleast_1d(states)] for name, labels in mdp.factors.items()}
+        pictures = tiles.frames(at["agent"], at.get("tool"), at["object"])
         return pictures if np.ndim(states) else pictures[0]
 
     return show

@@ -58,7 +58,7 @@ class WorldEnv(TableEnv):
     def __init__(
         self,
         world: World | str | Path,
-        tool: str | Tool | None = None,
+        tool: str | Tool | type | None = None,
         max_steps: int = MAX_STEPS,
         observation: str = "factors",
         measures: Measures | None = None,
@@ -150,7 +150,7 @@ class WorldVectorEnv(TableVectorEnv):
         self,
         num_envs: int,
         world: World | str | Path,
-        tool: str | Tool | None = None,
+        tool: str | Tool | type | None = None,
         max_steps: int = MAX_STEPS,
         observation: str = "factors",
         measures: Measures | None = None,
@@ -213,7 +213,7 @@ class Scene:
     def of(
         cls,
         world: World | str | Path,
-        tool: str | Tool | None,
+        tool: str | Tool | type | None,
         shown: str,
         measures: Measures | None,
         slip: float,
@@ -223,7 +223,7 @@ class Scene:
             raise ValueError(
                 f"render_mode {render_mode!r} is unknown; use one of {', '.join(_MODES)}"
             )
-        found = _world(world)
+        found = as_world(world)
         found = found if tool is None else found.with_tool(tool)
         mdp = tabulate(found)
         columns: dict[str, np.ndarray] = dict(mdp.flags)
@@ -258,7 +258,7 @@ class Scene:
         return self.draw(states)
 
 
-def _world(world: World | str | Path) -> World:
+def as_world(world: World | str | Path) -> World:
     """A world as it is, by its name or path, or from its text."""
     if isinstance(world, World):
         return world

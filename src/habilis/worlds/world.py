@@ -160,12 +160,12 @@ class World:
             own=own if is_own(tool) else None,
         )
 
-    def with_tool(self, tool: str | Tool) -> "World":
+    def with_tool(self, tool: str | Tool | type) -> "World":
         """The same map with another tool in the place of its own ("none" leaves plain floor).
 
         Args:
             tool: the name of one (of one's own: "mytools.py:Rake" or "package.module:Rake"), or
-                the tool itself.
+                the tool itself or its class.
 
         Returns:
             Another world; this one stays as it is.
@@ -237,7 +237,7 @@ def world_names() -> list[str]:
     return sorted(file.name.removesuffix(".txt") for file in _builtin_files())
 
 
-def load_world(name: str | Path, tool: str | Tool | None = None) -> World:
+def load_world(name: str | Path, tool: str | Tool | type | None = None) -> World:
     """A built-in world by its name, or a map from a file.
 
     Args:

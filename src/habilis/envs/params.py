@@ -1,0 +1,86 @@
+"""What a functional environment is told, and where it is: trees of arrays."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import jax
+from jaxtyping import Array, Bool, Float, Int32, UInt8
+
+_STATE = ("index", "time")
+_EMPOWERMENT = ("bits", "weights")
+_PARAMS = (
+    *("next_state", "reward", "terminal", "start", "max_steps_in_episode"),
+    *("flags", "seen", "background", "slip", "empowerment"),
+)
+
+
+@partial(jax.tree_util.register_dataclass, data_fields=_STATE, meta_fields=())
+@dataclass(frozen=True)
+class State:
+    """Where an environment is.
+
+    Attributes:
+        index: int32, the state of the table.
+        time: int32, the steps of the running episode.
+    """
+
+    index: Int32[Array, ""]
+    time: Int32[Array, ""]
+
+    def replace(self, **changes: Any) -> "State":
+        """The same but for some attributes."""
+        return replace(self, **changes)
+
+
+@partial(jax.tree_util.register_dataclass, data_fields=_EMPOWERMENT, meta_fields=())
+@dataclass(frozen=True)
+class Empowerment:
+    """What is added to the reward.
+
+    Attributes:
+        bits: float32[S], M of every state.
+        weights: the numbers that `regularised` needs, "beta" among them.
+    """
+
+    bits: Float[Array, "S"]
+    weights: dict[str, Any]
+
+
+@partial(jax.tree_util.register_dataclass, data_fields=_PARAMS, meta_fields=())
+@dataclass(frozen=True)
+class Params:
+    """A table, and how its episodes go.
+
+    All of it are arrays and numbers: they may change without anything being compiled anew, and
+    `vmap` goes over any of them.
+
+    Attributes:
+        next_state: int32[S, A], where actions lead.
+        reward: float32[S, A].
+        terminal: bool[S], the states whose entry ends an episode.
+        start: the state in which episodes begin.
+        max_steps_in_episode: the length of an episode, at most.
+        flags: by name, bool[S], what `info` says of a state.
+        seen: int32[S, things], what is observed of a state: numbers, or where in the background
+            it has ones.
+        background: uint8, what is the same in all observations; `None`: numbers are shown.
+        slip: the probability that an action drawn uniformly takes the place of the chosen one;
+            `None`: never, and no random number is drawn.
+        empowerment: what is added to the reward; `None`: nothing.
+    """
+
+    next_state: Int32[Array, "S A"]
+    reward: Float[Array, "S A"]
+    terminal: Bool[Array, "S"]
+    start: Any
+    max_steps_in_episode: Any
+    flags: dict[str, Bool[Array, "S"]]
+    seen: Int32[Array, "S things"]
+    background: UInt8[Array, "*shape"] | None = None
+    slip: Any = None
+    empowerment: Empowerment | None = None
+
+    def replace(self, **changes: Any) -> "Params":
+        """The same but for some attributes."""
+        return replace(self, **changes)
