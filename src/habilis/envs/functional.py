@@ -50,6 +50,12 @@ class FunctionalEnv:
     where there is slip, that of a reset never. All methods work inside `jit`, `vmap` and `scan`;
     `params` may be left out: they are `default_params` then.
 
+    What the methods take:
+        - `key`: a JAX random key.
+        - `state`: a `State`: the index in the table, and the steps of the episode so far.
+        - `action`: int32[].
+        - `params`: a `Params`: the table, and what of it may change while an agent learns.
+
     Example:
         >>> env = FunctionalEnv("corridor", observation="grid")
         >>> params = env.default_params
@@ -131,6 +137,9 @@ class FunctionalEnv:
             horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`.
             beta, earned, terminal_bonus, extrinsic, discount: as in `EmpowermentReward`.
 
+        Returns:
+            Another environment; this one stays as it is.
+
         Raises:
             ValueError: as in `habilis.empowerment`, or a setting is out of its range.
         """
@@ -145,6 +154,7 @@ class FunctionalEnv:
 
     @property
     def default_params(self) -> Params:
+        """The table and the settings, as this environment was made."""
         return self._params
 
     @property
@@ -154,6 +164,7 @@ class FunctionalEnv:
 
     @property
     def num_actions(self) -> int:
+        """How many actions there are."""
         return self._mdp.action_count
 
     def reset(self, key: PRNGKeyArray, params: Params | None = None) -> tuple[Array, State]:

@@ -132,7 +132,16 @@ def _rewards(terminal: np.ndarray, next_state: np.ndarray) -> np.ndarray:
 
 
 def placement(world: World, mdp: TabularMDP, state: int) -> World:
-    """A state as a world: the same map with its things where the state has them."""
+    """A state as a world: the same map with its things where the state has them.
+
+    Args:
+        world: the map.
+        mdp: its table.
+        state: the state's index.
+
+    Returns:
+        Another world.
+    """
 
     def cell(factor: str) -> Cell:
         row, column = divmod(int(mdp.factor(factor)[state]), world.width)
