@@ -98,7 +98,9 @@ def run(page: Path, folder: Path) -> None:
     Raises:
         ValueError: one of them failed, or printed something else than the page says.
     """
-    shutil.copytree(ROOT / "examples", folder / "examples")  # as a reader of a clone has them
+    shutil.copytree(
+        ROOT / "examples", folder / "examples", dirs_exist_ok=True
+    )  # as a reader of a clone has them
     environment = os.environ | {"MPLBACKEND": "agg", "COLUMNS": "80"}
     done = subprocess.run(
         [sys.executable, "-W", "error", __file__, str(page)],
