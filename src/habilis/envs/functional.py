@@ -300,4 +300,4 @@ def _observation(index: Int32[Array, ""], params: Params) -> Array:
 
 
 def _discount(terminated: Bool[Array, ""]) -> Float[Array, ""]:
-    return jnp.where(terminated, 0.0, 1.0)
+    return jnp.where(terminated, jnp.float32(0), jnp.float32(1))
