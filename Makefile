@@ -4,7 +4,8 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-integration paper quick multiverse check format calibrate reconstruct bench bench-sb3 clean
+.PHONY: test test-integration paper quick multiverse check format docs calibrate reconstruct \
+	bench bench-sb3 clean
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest
@@ -32,6 +33,10 @@ check: $(INSTALLED)
 format: $(INSTALLED)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+# The documentation: site/index.html. No network is asked for anything, here or when it is read.
+docs: $(INSTALLED)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 # Chooses the A2C settings of the paper's tables anew, on the vanilla rows alone. Half an hour.
 calibrate: $(INSTALLED)
@@ -64,8 +69,8 @@ $(INSTALLED): pyproject.toml constraints.txt
 		{ echo "Habilis needs Python 3.11 or newer; call make PYTHON=python3.12, say"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,dev]"
+		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,video,docs,dev]"
 	touch $@
 
 clean:
-	rm -rf .venv $(APART) paper paper-quick
+	rm -rf .venv $(APART) paper paper-quick site

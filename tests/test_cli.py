@@ -7,10 +7,10 @@ import sys
 import numpy as np
 import polars as pl
 import pytest
+from video import read_mp4
 
 import habilis as hb
 from habilis.cli import main
-from habilis.empowerment.measures import world_landscape
 
 VERBS = (
     *("worlds", "solve", "empowerment", "landscape", "futures", "compare"),
@@ -68,10 +68,23 @@ def test_landscape_is_null_where_the_agent_cannot_be(capsys, tmp_path):
     arguments = ("landscape", "corridor", "--sensor", "object", "--horizon", "6")
     _, found = run_json(capsys, *arguments, "--out", str(picture))
     values = np.array(found["values"], float)
-    expected = world_landscape(hb.load_world("corridor"), 6, "object")
+    expected = hb.landscape(hb.load_world("corridor"), 6, "object").values
     np.testing.assert_array_equal(values, expected)
     assert np.isnan(values[2, 0])
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet", "npz", "npy", "svg", "pdf"])
+def test_landscape_writes_its_values_too(capsys, tmp_path, suffix):
+    path = tmp_path / f"landscape.{suffix}"
+    arguments = ("landscape", "corridor", "--sensor", "object", "--horizon", "2")
+    _, found = run_json(capsys, *arguments, "--out", str(path), "--object-at", "6,3")
+    values = np.array(found["values"], float)
+    expected = tmp_path / f"expected.{suffix}"
+    hb.landscape(hb.load_world("corridor"), 2, "object", object=(6, 3)).save(expected)
+    assert path.read_bytes() == expected.read_bytes()
+    if suffix == "npy":
+        np.testing.assert_array_equal(np.load(path), values)
 
 
 def test_landscape_with_the_can_elsewhere(capsys):
@@ -82,12 +95,13 @@ def test_landscape_with_the_can_elsewhere(capsys):
     assert np.isnan(values[0, 4])
 
 
-@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+@pytest.mark.parametrize("suffix", ["csv", "parquet", "npz"])
 def test_empowerment_writes_every_state(capsys, tmp_path, suffix):
     path = tmp_path / f"bits.{suffix}"
     arguments = ("empowerment", "corridor", "--sensor", "object", "--horizon", "6")
     _, summary = run_json(capsys, *arguments, "--out", str(path))
-    table = pl.read_csv(path) if suffix == "csv" else pl.read_parquet(path)
+    read = {"csv": pl.read_csv, "parquet": pl.read_parquet, "npz": lambda p: dict(np.load(p))}
+    table = read[suffix](path)
     mdp = hb.tabulate(hb.load_world("corridor"))
     np.testing.assert_allclose(table["bits"], hb.empowerment(mdp, 6, "object"))
     np.testing.assert_array_equal(
@@ -95,6 +109,13 @@ def test_empowerment_writes_every_state(capsys, tmp_path, suffix):
     )
     assert summary["states"] == mdp.states
     assert round(summary["mean_equipped"], 4) == 1.3886
+
+
+def test_empowerment_writes_its_values_as_an_array(tmp_path):
+    path = tmp_path / "bits.npy"
+    assert main(["empowerment", "yard", "--horizon", "1", "--out", str(path)]) == 0
+    mdp = hb.tabulate(hb.load_world("yard"))
+    np.testing.assert_array_equal(np.load(path), hb.empowerment(mdp, 1))
 
 
 def test_empowerment_of_a_gymnasium_environment_is_certified(capsys):
@@ -156,9 +177,13 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
     assert pl.read_parquet(folder / "episodes.parquet").height > 2_000
     (tmp_path / "room.txt").unlink()  # the folder has all that watching needs
     gif = tmp_path / "run.gif"
-    status, episode = run_json(capsys, "watch", str(folder), "--gif", str(gif))
+    mp4 = tmp_path / "run.mp4"
+    status, episode = run_json(capsys, "watch", str(folder), "--gif", str(gif), "--mp4", str(mp4))
     assert (status, episode["finished"], episode["return"]) == (0, True, -1)
     assert gif.read_bytes().startswith(b"GIF8")
+    assert len(read_mp4(mp4, 2 * 32, 4 * 32)) == episode["steps"] + 1 + 5
+    assert main(["watch", str(folder), "--mp4", str(tmp_path / "run.mov")]) == 2
+    assert ".mp4" in capsys.readouterr().err
     assert main(["watch", str(folder)]) == 0
     assert "the goal is reached" in capsys.readouterr().out
     before = sorted(folder.iterdir())
@@ -179,8 +204,8 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         (["landscape", "yard", "--horizon", "1", "--sensor", "smell"], "state, agent, tool"),
         (["landscape", "yard", "--horizon", "1", "--object-at", "0"], "--object-at"),
         (["landscape", "yard", "--horizon", "1", "--object-at", "1,0"], "distinct free cells"),
-        (["landscape", "yard", "--horizon", "1", "--out", "f.bmp"], ".png"),
-        (["empowerment", "yard", "--horizon", "1", "--out", "f.txt"], ".csv or .parquet"),
+        (["landscape", "yard", "--horizon", "1", "--out", "f.bmp"], ".png, .svg, .pdf, .csv"),
+        (["empowerment", "yard", "--horizon", "1", "--out", "f.txt"], ".csv, .parquet, .npz"),
         (["empowerment", "yard", "--horizon", "1", "--actions", "jump"], "all, moves, tool"),
         (["empowerment", "yard", "--horizon", "1", "--actions", "9"], "indices from 0 to 7"),
         (["empowerment", "gym:No-v0", "--horizon", "1"], "No-v0"),

@@ -10,6 +10,7 @@ The learning half (`train`, `Config`, `reproduce`) is imported on first use and 
 the worlds are registered with it: `gymnasium.make("habilis/Corridor-v0")`.
 """
 
+from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
@@ -18,11 +19,16 @@ from habilis.empowerment.capacity import Capacity, ConvergenceWarning, capacity
 from habilis.mdp import TabularMDP
 from habilis.worlds.check_tool import check_tool
 from habilis.worlds.plans import Plan, solve
-from habilis.worlds.table import tabulate
+from habilis.worlds.table import placement, tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import World, load_world, world_names
 
 if TYPE_CHECKING:
+    from habilis.empowerment.landscape import Landscape as Landscape
+    from habilis.empowerment.landscape import landscape as landscape
+    from habilis.empowerment.landscape_picture import draw_landscapes as draw_landscapes
+    from habilis.empowerment.tables import save_table as save_table
+    from habilis.empowerment.tables import to_dataframe as to_dataframe
     from habilis.envs.reward import EmpowermentReward as EmpowermentReward
     from habilis.learning.algorithms import A2C as A2C
     from habilis.learning.algorithms import PPO as PPO
@@ -31,33 +37,47 @@ if TYPE_CHECKING:
     from habilis.learning.config import Config as Config
     from habilis.learning.train import train as train
     from habilis.studies.reproduce import reproduce as reproduce
+    from habilis.worlds.films import save_film as save_film
 
 __version__ = "0.1.0"
 
 __all__ = [  # what needs no extra: so `from habilis import *` works without one
     "Capacity",
     "ConvergenceWarning",
+    "Landscape",
     "Plan",
     "TabularMDP",
     "Tool",
     "World",
     "capacity",
     "check_tool",
+    "draw_landscapes",
     "empowerment",
+    "landscape",
     "load_world",
+    "placement",
+    "save_film",
+    "save_table",
     "solve",
     "tabulate",
+    "to_dataframe",
     "world_names",
 ]
 
-_LAZY = {  # by name, its module and the extra that it needs
+_LAZY = {  # imported on first use: by name, the module, and the extra that it needs if any
+    "Landscape": ("habilis.empowerment.landscape", None),
+    "draw_landscapes": ("habilis.empowerment.landscape_picture", None),
+    "landscape": ("habilis.empowerment.landscape", None),
+    "save_film": ("habilis.worlds.films", None),
+    "save_table": ("habilis.empowerment.tables", None),
+    "to_dataframe": ("habilis.empowerment.tables", None),
+    "EmpowermentReward": ("habilis.envs.reward", "gymnasium"),
     **dict.fromkeys(
         ("A2C", "PPO", "QLearning", "SoftValueIteration"), ("habilis.learning.algorithms", "learn")
     ),
     "Config": ("habilis.learning.config", "learn"),
     "train": ("habilis.learning.train", "learn"),
     "reproduce": ("habilis.studies.reproduce", "learn"),
-    "EmpowermentReward": ("habilis.envs.reward", "gymnasium"),
 }
 
 if find_spec("gymnasium") is not None:
@@ -72,7 +92,7 @@ def __getattr__(name: str) -> Any:
     from habilis.extras import import_from
 
     module, extra = _LAZY[name]
-    return getattr(import_from(module, extra), name)
+    return getattr(import_module(module) if extra is None else import_from(module, extra), name)
 
 
 def __dir__() -> list[str]:

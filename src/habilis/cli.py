@@ -88,7 +88,7 @@ def solve(args: Args) -> int:
 
 
 def empowerment(args: Args) -> int:
-    from habilis.empowerment.tables import save_table, state_table
+    from habilis.empowerment.tables import save_table, to_dataframe
 
     mdp = _table(args)
     options: Any = {name: getattr(args, name) for name in OPTIONS}
@@ -96,8 +96,8 @@ def empowerment(args: Args) -> int:
         mdp, args.horizon, args.sensor, _actions(args.actions), return_gap=True, **options
     )
     if args.out is not None:
-        noise = gap if gap.any() else None
-        save(args.out, lambda path: save_table(state_table(mdp, values, noise, args.unit), path))
+        columns = {args.unit: values} | ({"gap": gap} if gap.any() else {})
+        save_table(to_dataframe(mdp, columns), args.out)
     summary = {
         "states": len(values),
         "mean": float(values.mean()),
@@ -138,35 +138,30 @@ def _table(args: Args) -> habilis.TabularMDP:
 
 
 def landscape(args: Args) -> int:
-    from habilis.empowerment.measures import landscape as measure
-    from habilis.worlds.pictures import landscape_figure, save_figure
+    from habilis.empowerment.landscape import landscape as measure
 
     world = load_world(args.world, args.tool)
     if args.tool_at is not None and world.tool == NO_TOOL:
         raise ValueError(f"{world.name} has no tool here; leave out --tool-at, or give --tool")
-    mdp = habilis.tabulate(world, slip=args.slip)
-    tool, thing = args.tool_at or world.tool_cell, args.object_at or world.object
-    values = measure(
-        mdp,
+    found = measure(
+        world,
         args.horizon,
         args.sensor,
         _actions(args.actions),
-        tool=tool,
-        object=thing,
+        slip=args.slip,
+        tool=args.tool_at,
+        object=args.object_at,
         unit=args.unit,
     )
     if args.out is not None:
-        shown = replace(world, tool_cell=tool, object=thing)
-        title = f"{args.horizon}-step empowerment, sensor {args.sensor!r}"
-        figure = landscape_figure(shown, {title: values}, unit=args.unit)
-        save(args.out, lambda path: save_figure(figure, path))
+        save(args.out, found.save)
     if args.json:
-        rows = [[None if np.isnan(v) else v for v in row] for row in values.tolist()]
+        rows = [[None if np.isnan(v) else v for v in row] for row in found.values.tolist()]
         return print_json({"values": rows})
-    for row in values:
+    for row in found.values:
         print(" ".join("    ." if np.isnan(value) else f"{value:5.2f}" for value in row))
     if args.out is not None:
-        print(f"picture: {args.out}")
+        print(f"written: {args.out}")
     return 0
 
 
@@ -196,8 +191,9 @@ def compare(args: Args) -> int:
             {"averages": averages, "horizon": args.horizon, "unit": args.unit, "tools": judged}
         )
     print(f"average {args.horizon}-step object empowerment, in {args.unit}")
+    width = max(10, *map(len, averages))
     for tool in ranking(averages):
-        line = f"{tool:>10}  {averages[tool]:.4f}"
+        line = f"{tool:>{width}}  {averages[tool]:.4f}"
         if tool in verdicts:
             verdict = verdicts[tool]
             better = verdict.better_than_none_on_average

@@ -65,7 +65,9 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _measure(v)
     _options(v)
     v.add_argument("--max-states", type=int, metavar="N", help="how many states to accept")
-    v.add_argument("--out", type=Path, metavar="F.csv", help="all values (.csv or .parquet)")
+    v.add_argument(
+        "--out", type=Path, metavar="F.csv", help="all values (.csv, .parquet, .npz, .npy)"
+    )
 
     v = verb(
         "landscape",
@@ -77,7 +79,8 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _unit(v)
     v.add_argument("--tool-at", type=_cell, metavar="ROW,COLUMN", help="another cell for the tool")
     v.add_argument("--object-at", type=_cell, metavar="ROW,COLUMN", help="another for the can")
-    v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+    kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
+    v.add_argument("--out", type=Path, metavar="F.png", help=kinds)
 
     v = verb(
         "futures",
@@ -125,6 +128,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     v.add_argument("--run", type=int, default=0, help="which of its runs (default 0)")
     v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
+    v.add_argument("--mp4", type=Path, metavar="F.mp4", help="or as a video (extra [video])")
     v.add_argument("--speed", type=_positive, default=4.0, help="steps a second (default 4)")
 
     v = verb(

@@ -1,6 +1,7 @@
 """The verbs of the command line that train agents and show what they learned."""
 
 import shlex
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,7 +54,8 @@ def train(args: Args) -> int:
 
 def watch(args: Args) -> int:
     import habilis
-    from habilis.worlds.pictures import colored_text, save_gif
+    from habilis.worlds.films import save_gif, save_mp4
+    from habilis.worlds.pictures import colored_text
     from habilis.worlds.table import placement
 
     folder = import_from("habilis.learning.folder", "learn")
@@ -63,8 +65,9 @@ def watch(args: Args) -> int:
     episode = replay.play(run, args.run)
     mdp = habilis.tabulate(run.world)
     frames = [placement(run.world, mdp, state) for state in episode.states]
-    if args.gif is not None:
-        save(args.gif, lambda path: save_gif(frames, path))
+    films = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
+    for path, write in films:
+        save(path, partial(write, frames))
     trained = int((run.episodes["run"] == args.run).sum())
     if args.json:
         print_json(
@@ -83,8 +86,8 @@ def watch(args: Args) -> int:
     print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
     so_far = "" if ended else ", as the last checkpoint has it: training has not ended"
     print(f"run {args.run} after {trained:,} episodes{so_far}")
-    if args.gif is not None:
-        print(f"film: {args.gif}")
+    for path, _ in films:
+        print(f"film: {path}")
     return 0 if episode.finished else 1
 
 

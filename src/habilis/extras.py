@@ -6,6 +6,7 @@ from types import ModuleType
 _OF_EXTRA = {
     "learn": ("jax", "jaxlib", "equinox", "optax", "jinja2", "filelock", "tensorboardX"),
     "gymnasium": ("gymnasium", "pygame"),
+    "video": ("imageio_ffmpeg", "moviepy"),
     "sweep": ("optuna", "ray"),
 }
 

@@ -62,6 +62,9 @@ class TabularMDP:
             terminal: bool[S]; nowhere if left out.
             start: the state in which episodes begin.
 
+        Returns:
+            The MDP, without factors.
+
         Raises:
             ValueError: the arrays do not fit each other, are empty, or name a state that
                 does not exist.
@@ -199,6 +202,10 @@ class TabularMDP:
             slip: the probability that an action drawn uniformly from all of them, the chosen
                 one among them, takes the place of the chosen one.
 
+        Returns:
+            The MDP with `(1 - slip) P + slip * (mean of P over actions)`, rewards likewise; or
+            this one, if slip is 0.
+
         Raises:
             ValueError: slip is no probability.
 
@@ -235,7 +242,14 @@ class TabularMDP:
         return self.transitions
 
     def transition(self, action: int) -> "csr_array":
-        """The matrix of an action, sparse float64[S, S]: row s has the probabilities from s."""
+        """The transition matrix of an action.
+
+        Args:
+            action: its index, from 0 to A - 1.
+
+        Returns:
+            Sparse float64[S, S]; row s has the probabilities of the states that follow s.
+        """
         from scipy.sparse import csr_array
 
         if isinstance(self.transitions, np.ndarray):
@@ -257,6 +271,12 @@ class TabularMDP:
     def factor(self, name: str) -> Int32[np.ndarray, "S"]:
         """The label of one thing in every state.
 
+        Args:
+            name: of the factor, as "object".
+
+        Returns:
+            int32[S]; in a world the cell of the thing, `row * columns + column`.
+
         Raises:
             ValueError: the MDP has no such factor; the message lists those it has.
         """
@@ -267,6 +287,9 @@ class TabularMDP:
 
     def label(self, cell: tuple[int, int]) -> int:
         """The label that factors have for a cell, `row * columns + column`.
+
+        Args:
+            cell: (row, column), from 0.
 
         Returns:
             A label; one that no state has for a cell outside the map.
@@ -288,6 +311,9 @@ class TabularMDP:
 
         Args:
             **cells: for each factor the (row, column) of the thing.
+
+        Returns:
+            The state's index.
 
         Raises:
             KeyError: no state, or more than one, has everything there.

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from labels import labels_on
 from slow_channels import divergences
 
 import habilis as hb
@@ -101,7 +102,7 @@ def test_the_picture_is_written_and_says_what_it_shows(suffix: str, tmp_path):
     assert (tmp_path / f"futures{suffix}").stat().st_size > 1000
     title = figure._suptitle.get_text()  # type: ignore[attr-defined]
     assert f"{found.empowerment:.3f} bits" in title
-    shown = {text.get_text() for text in figure.axes[0].texts}
+    shown = {text.get_text() for text in labels_on(figure.axes[0])}
     assert {f"{100 * p:.1f}" for p in found.seen} == shown
 
 

@@ -1,7 +1,9 @@
 """The worlds as Gymnasium environments."""
 
+import copy
 import re
 import warnings
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -189,6 +191,24 @@ def test_observations_are_the_callers_own():
         assert np.array_equal(env.reset()[0], kept)
 
 
+def test_a_copy_goes_its_own_way():
+    env = gymnasium.make("habilis/Yard-v0", measures={"toe": {"horizon": 1}}, slip=0.5)
+    env.reset(seed=0)
+    env.step(1)
+    copied = copy.deepcopy(env)
+    ahead = [env.step(2) for _ in range(9)]
+    assert same(ahead, [copied.step(2) for _ in range(9)])
+
+
+def test_its_table_is_its_own():
+    env = gymnasium.make("habilis/Yard-v0", slip=0.25)
+    mdp = hb.TabularMDP.from_gymnasium(env)
+    noisy = hb.tabulate(hb.load_world("yard"), slip=0.25)
+    assert np.array_equal(mdp.transition(3).indices, noisy.transition(3).indices)
+    assert np.array_equal(mdp.transition(3).data, noisy.transition(3).data)
+    assert mdp.start == noisy.start
+
+
 def test_pictures_are_those_of_the_world():
     env: Any = gymnasium.make("habilis/Yard-v0", render_mode="rgb_array")
     env.reset(seed=0)
@@ -249,3 +269,22 @@ def test_an_action_that_there_is_not_is_refused(action):
     env.reset()
     with pytest.raises(ValueError, match=f"action is {action}; use 0 to 7"):
         env.step(action)
+
+
+def test_a_tool_of_ones_own_is_stepped_shown_and_measured():
+    rake = f"{Path(__file__).parents[2] / 'examples' / 'rake.py'}:Rake"
+    toe = {"horizon": 2, "sensor": "object"}
+    env: Any = gymnasium.make(
+        "habilis/Yard-v0", tool=rake, render_mode="rgb_array", measures={"toe": toe}
+    )
+    mdp = hb.tabulate(hb.load_world("yard", tool=rake))
+    bits = hb.empowerment(mdp, **toe)
+    _, info = env.reset(seed=0)
+    for action in (1, 4, 2, 3, 0):
+        inner = env.unwrapped
+        assert info["toe"] == bits[info["state"]]
+        world = placement(inner.world, inner.mdp, inner.state)
+        assert np.array_equal(env.render(), frame(world))
+        after = mdp.next_state[info["state"], action]
+        info = env.step(action)[4]
+        assert info["state"] == after

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from habilis.empowerment.measures import world_landscape
+from habilis.empowerment.landscape import landscape
 from habilis.studies.measured import measured
 from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, Scene, yard
 from habilis.studies.stated import Stated, load_stated, parse_stated, stated_names
@@ -45,7 +45,7 @@ def test_kinds_are_what_they_say():
     scene = Scene(World.parse("AP.C.G\n......\n......\n"))
     assert measured(scene, Stated("steps", "")) == 1 - measured(scene, Stated("return", ""))
     assert measured(scene, Stated("apart", "")) == 1
-    values = world_landscape(scene.world, 2, "object")
+    values = landscape(scene.world, 2, "object").values
     near = Stated("landscape", "", horizon=2, around="object", within=1)
     assert measured(scene, near) == np.nanmax([values[0, 2], values[0, 4], values[1, 3]])
     far = replace(near, within=float("inf"), beyond=1, statistic="mean")

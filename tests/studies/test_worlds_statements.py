@@ -102,4 +102,4 @@ def test_a_scene_measures_around_a_cell():
     assert beside.max() == 1
     row, column = scene.world.object
     assert scene.distance(scene.world.object)[row - 2, column + 1] == 3
-    assert np.isnan(scene.landscape(1, "object")[scene.tool_cell])
+    assert np.isnan(scene.landscape(1, "object").values[scene.tool_cell])

@@ -3,6 +3,7 @@
 import inspect
 import json
 import pickle
+import re
 import shutil
 import subprocess
 import sys
@@ -340,8 +341,8 @@ def test_a_copy_of_the_picker_has_the_pickers_table_and_numbers(copied):
                 assert one.tobytes() == other.tobytes()
         for horizon in range(1, 5):
             for sensor in ("state", "object"):
-                bits = (hb.empowerment(mdp, horizon, sensor) for mdp in (own, ours))
-                np.testing.assert_array_equal(*bits)
+                one, other = (hb.empowerment(mdp, horizon, sensor) for mdp in (own, ours))
+                np.testing.assert_array_equal(one, other)
 
 
 def test_a_copy_of_the_picker_is_as_useful_and_has_its_futures(copied):
@@ -493,3 +494,20 @@ def test_a_tool_that_fails_when_asked_is_one_line_on_the_command_line(folder, ca
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert "carry fails with ZeroDivisionError: division by zero (rake.py, line" in err
+
+
+# What the documentation says
+
+
+def test_the_page_about_it_runs_and_its_rake_is_the_example(folder, monkeypatch):
+    root = EXAMPLE.parents[1]
+    page = (root / "docs" / "how-to" / "own-tool.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert blocks[0].split("class")[1] == EXAMPLE.read_text().split("class")[1]
+    shutil.copytree(root / "examples", folder / "examples")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", "\n".join(blocks)], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert "leaves an object behind that is called attached" in done.stdout
+    assert sorted(path.name for path in folder.iterdir()) == ["examples", "rake.py"]

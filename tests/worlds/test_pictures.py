@@ -6,20 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.text import Text
-from PIL import Image, ImageSequence
+from PIL import Image
 
 from habilis.worlds.pictures import (
     colored_text,
-    draw_landscape,
     draw_world,
     frame,
-    landscape_figure,
-    save_figure,
-    save_gif,
     save_picture,
     world_figure,
 )
@@ -44,37 +37,6 @@ def cells_that_differ(one: World, other: World, size: int = 32) -> set[Cell]:
         for column in range(one.width)
         if (pixels_of(first, (row, column), size) != pixels_of(second, (row, column), size)).any()
     }
-
-
-def landscape_values(world: World) -> np.ndarray:
-    """Values from 0 to 3 bits, all different, NaN on walls, tool and can."""
-    values = np.linspace(0, 3, world.height * world.width).reshape(world.height, world.width)
-    for cell in {*world.walls, world.tool_cell, world.object}:
-        values[cell] = np.nan
-    return values
-
-
-def labels_of(world: World, values: np.ndarray, **settings) -> list[Text]:
-    ax = Figure().add_subplot()
-    draw_landscape(ax, world, values, **settings)
-    return list(ax.texts)
-
-
-def rendered(figure: Figure) -> np.ndarray:
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba()).copy()
-
-
-def contrast(one: np.ndarray, other: np.ndarray) -> float:
-    """The contrast ratio of two colours by WCAG 2: 1 for the same, 21 for black on white."""
-
-    def luminance(rgb: np.ndarray) -> float:
-        linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in rgb]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-    darker, lighter = sorted([luminance(one), luminance(other)])
-    return (lighter + 0.05) / (darker + 0.05)
 
 
 @pytest.mark.parametrize("size", [7, 24, 33, 200])
@@ -197,14 +159,6 @@ def test_a_saved_png_has_the_size_asked_for(tmp_path: Path):
         assert picture.size == (150, 100)
 
 
-@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
-def test_the_same_landscape_is_the_same_bytes(suffix: str, tmp_path: Path):
-    paths = [tmp_path / f"one{suffix}", tmp_path / f"two{suffix}"]
-    for path in paths:
-        save_figure(landscape_figure(ROOM, {"room": landscape_values(ROOM)}), path)
-    assert paths[0].read_bytes() == paths[1].read_bytes()
-
-
 @pytest.mark.parametrize("name", ["room.bmp", "room", "room.svg.gz"])
 def test_an_unknown_suffix_is_refused_and_named(name: str, tmp_path: Path):
     path = tmp_path / name
@@ -213,117 +167,6 @@ def test_an_unknown_suffix_is_refused_and_named(name: str, tmp_path: Path):
     assert repr(path.suffix) in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not path.exists()
-
-
-def walk() -> list[World]:
-    bare = ROOM.with_tool("none")
-    return [replace(bare, agent=(1, column)) for column in range(1, 5)]
-
-
-def frames_of(path: Path) -> list[Image.Image]:
-    with Image.open(path) as film:
-        return [image.copy() for image in ImageSequence.Iterator(film)]
-
-
-def test_a_film_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
-    save_gif(walk(), tmp_path / "walk.gif", cell=20, milliseconds=100)
-    frames = frames_of(tmp_path / "walk.gif")
-    assert [image.size for image in frames] == [(120, 80)] * 4
-    durations = [image.info["duration"] for image in frames]
-    assert durations[:3] == [100] * 3
-    assert durations[3] > 300
-
-
-def test_still_things_do_not_flicker_in_a_film(tmp_path: Path):
-    save_gif(walk(), tmp_path / "walk.gif")
-    pictures = [np.asarray(image.convert("RGB")) for image in frames_of(tmp_path / "walk.gif")]
-    assert len({pixels_of(picture, ROOM.object, 32).tobytes() for picture in pictures}) == 1
-
-
-def test_a_film_keeps_the_colours_of_its_frames(tmp_path: Path):
-    states = [*walk(), replace(ROOM, tool="none", object=ROOM.goal)]
-    save_gif(states, tmp_path / "walk.gif")
-    for state, image in zip(states, frames_of(tmp_path / "walk.gif"), strict=True):
-        error = np.abs(np.asarray(image.convert("RGB")).astype(int) - frame(state))
-        assert error.max() < 40
-        assert error.mean() < 2
-
-
-def test_a_film_of_nothing_or_with_another_suffix_is_refused(tmp_path: Path):
-    with pytest.raises(ValueError, match="no states"):
-        save_gif([], tmp_path / "walk.gif")
-    with pytest.raises(ValueError, match=r"'\.png'.*\.gif"):
-        save_gif([ROOM], tmp_path / "walk.png")
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_landscape_has_a_label_for_every_value():
-    values = landscape_values(ROOM)
-    labels = labels_of(ROOM, values)
-    assert len(labels) == np.isfinite(values).sum()
-    assert {label.get_text() for label in labels} >= {"1.8", "2.9"}
-    assert labels_of(ROOM, values, labels=False) == []
-
-
-def test_a_value_a_little_below_zero_is_not_printed_as_minus_zero():
-    values = np.where(np.isfinite(landscape_values(ROOM)), -1e-12, np.nan)
-    assert {label.get_text() for label in labels_of(ROOM, values)} == {"0.0"}
-
-
-def test_labels_can_be_read_on_every_colour_of_the_scale():
-    world = World("strip", 1, 300, frozenset(), agent=(0, 0), object=(0, 297), goal=(0, 298))
-    values = np.linspace(0, 1, 300)[None]
-    ax = Figure().add_subplot()
-    heat = draw_landscape(ax, world, values)
-    colours = heat.to_rgba(values)[0, :, :3]
-    inks = set()
-    for label in ax.texts:
-        ink = label.get_color()
-        inks.add(ink)
-        column = int(label.get_position()[0])
-        assert contrast(np.array(to_rgb(ink)), colours[column]) >= 4.5
-    assert inks == {"black", "white"}
-
-
-def test_a_landscape_does_not_show_the_agent():
-    values = landscape_values(ROOM)
-    elsewhere = replace(ROOM, agent=(1, 1))
-    one, other = (landscape_figure(world, {"room": values}) for world in (ROOM, elsewhere))
-    assert (rendered(one) == rendered(other)).all()
-
-
-def test_a_landscape_shows_bin_can_and_tool():
-    values = landscape_values(ROOM)
-    plain = rendered(landscape_figure(ROOM, {"room": values}))
-    for change in ({"goal": (1, 1)}, {"object": (1, 1)}, {"tool": "broom"}, {"tool": "none"}):
-        changed = rendered(landscape_figure(replace(ROOM, **change), {"room": values}))
-        assert (plain != changed).any(), change
-
-
-def test_panels_share_the_scale_of_one_bar():
-    low = landscape_values(ROOM)
-    figure = landscape_figure(ROOM, {"low": low, "high": low + 4})
-    *panels, bar = figure.axes
-    assert [ax.get_title() for ax in panels] == ["low", "high"]
-    heats = [areas for ax in panels for areas in ax.collections if areas.get_array() is not None]
-    assert [heat.get_clim() for heat in heats] == [(np.nanmin(low), np.nanmax(low) + 4)] * 2
-    assert bar.get_ylabel() == "bits"
-    assert bar.get_ylim() == heats[0].get_clim()
-
-
-@pytest.mark.parametrize("value", [0.0, 2.5, np.nan])
-def test_a_landscape_without_differences_has_a_scale(value: float):
-    figure = landscape_figure(ROOM, {"flat": np.full((ROOM.height, ROOM.width), value)})
-    low, high = figure.axes[-1].get_ylim()
-    assert low == np.nan_to_num(value)
-    assert high > low
-
-
-def test_values_of_another_shape_are_refused_and_so_are_no_panels():
-    with pytest.raises(ValueError, match=r"room: .*4 rows and 6 columns.*\(6, 4\)"):
-        landscape_figure(ROOM, {"turned": np.zeros((6, 4))})
-    with pytest.raises(ValueError, match="no landscapes"):
-        landscape_figure(ROOM, {})
 
 
 def test_coloured_text_is_the_map_with_two_characters_a_cell():

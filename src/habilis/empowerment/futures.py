@@ -66,11 +66,18 @@ def futures(
     """The capacity-achieving distribution over action sequences of one state.
 
     Of the distributions that attain the empowerment it is one; where every sequence has one
-    outcome, the uniform one over the outcomes.
+    outcome, the uniform one over the outcomes. It is the maximising p in
+
+        E_h(s) = max over p(a_1 ... a_h) of I(A_1 ... A_h; O_h | s)
+
+    (Klyubin, Polani and Nehaniv 2005), found as in `capacity`.
 
     Args:
         mdp, horizon, sensor, actions, unit, tolerance, max_gib: as in `empowerment`.
         state: the state's index.
+
+    Returns:
+        The sequences worth choosing among, with their probabilities, and what they lead to.
 
     Raises:
         ValueError: as in `empowerment`.

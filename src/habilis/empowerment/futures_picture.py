@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from habilis.empowerment.futures import Futures
 from habilis.mdp import TabularMDP
-from habilis.worlds.pictures import draw_landscape, draw_scale
+from habilis.worlds.heat import draw_heat, draw_scale
 from habilis.worlds.world import World
 
 _ARROWS = ("↑", "→", "↓", "←", "⇑", "⇒", "⇓", "⇐")
@@ -43,8 +43,8 @@ def futures_figure(
     percent[found.observations] = 100 * found.seen
     ax = axes(_GAP, map_width)
     shown = percent.reshape(world.height, world.width)
-    heat = draw_landscape(ax, world, shown, vmin=0, agent=True)
-    draw_scale(figure, heat, axes(_GAP + map_width + 12, 16), "% of choices")
+    heat = draw_heat(ax, world, shown, vmin=0, agent=True)
+    draw_scale(heat, "% of choices", cax=axes(_GAP + map_width + 12, 16))
     bars = axes(width - _BARS - _GAP + 110, _BARS - 110)
     _draw_sequences(bars, mdp, found)
     horizon = found.sequences.shape[1]

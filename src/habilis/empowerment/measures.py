@@ -1,17 +1,15 @@
-"""Measures made of empowerment: averages that compare tools, and landscapes."""
+"""Averages of empowerment, which compare tools."""
 
 from collections.abc import Mapping, Sequence
 from typing import Unpack
 
 import numpy as np
-from jaxtyping import Float64
-from numpy.typing import ArrayLike
 
 from habilis.empowerment.core import Options, empowerment
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
-from habilis.worlds.world import NO_TOOL, Cell, World
+from habilis.worlds.world import NO_TOOL, World
 
 
 def average_empowerment(
@@ -28,6 +26,9 @@ def average_empowerment(
         horizon: h, in actions.
         sensor: as in `empowerment`.
         **options: of `empowerment`, such as unit="nats".
+
+    Returns:
+        Bits, or nats where these are asked for.
 
     Raises:
         ValueError: as in `empowerment`, or the tool can never be in hand.
@@ -51,7 +52,7 @@ def compared_states(mdp: TabularMDP) -> np.ndarray:
 
 def compare(
     world: World,
-    tools: Sequence[str | Tool],
+    tools: Sequence[str | Tool | type],
     horizon: int,
     slip: float = 0.0,
     **options: Unpack[Options],
@@ -66,7 +67,8 @@ def compare(
         **options: of `empowerment`.
 
     Returns:
-        Bits by the tool's name (see `World.with_tool`).
+        Bits by the tool's name (see `World.with_tool`): the average over all placements with the
+        tool in hand or, for "none", over all placements.
 
     Raises:
         ValueError: no tools, an unknown one, two of one name, or a map that has no place for one.
@@ -88,89 +90,6 @@ def compare(
         name: average_empowerment(tabulate(other, slip), horizon, "object", **options)
         for name, other in worlds.items()
     }
-
-
-def landscape_states(
-    mdp: TabularMDP, tool: Cell | None, object: Cell
-) -> tuple[np.ndarray, np.ndarray]:
-    """The states of a landscape: every agent cell, tool and object fixed.
-
-    Args:
-        mdp: a world's table.
-        tool: the tool's cell; not looked at in a table without a tool.
-        object: the object's cell.
-
-    Returns:
-        The states, and for each the agent's label (`row * width + column`).
-
-    Raises:
-        ValueError: there is no state with tool and object there.
-    """
-    here = mdp.factor("object") == mdp.label(object)
-    if "tool" in mdp.factors:
-        if tool is None:
-            raise ValueError("the tool has no cell; give tool=(row, column)")
-        here &= mdp.factor("tool") == mdp.label(tool)
-    states = np.flatnonzero(here)
-    if not len(states):
-        raise ValueError(
-            f"no state has the tool at {tool} and the object at {object}; "
-            "give two distinct free cells, the tool's beside a free one or the map's own"
-        )
-    return states, mdp.factor("agent")[states]
-
-
-def landscape(
-    mdp: TabularMDP,
-    horizon: int,
-    sensor: str | ArrayLike = "state",
-    actions: Sequence[int] | None = None,
-    *,
-    tool: Cell | None = None,
-    object: Cell,
-    **options: Unpack[Options],
-) -> Float64[np.ndarray, "rows columns"]:
-    """Empowerment for every agent cell, tool and object fixed, in bits.
-
-    Args:
-        mdp: a world's table.
-        horizon, sensor, actions: as in `empowerment`.
-        tool, object: their cells. The agent next to the tool has it in hand; where the tool
-            does not lie at its cell of the map, there are only such states.
-        **options: of `empowerment`.
-
-    Returns:
-        Bits by cell; NaN where the agent cannot be: walls, the cells of tool and object.
-
-    Raises:
-        ValueError: the table is not a world's, or no state has tool and object there.
-    """
-    if mdp.shape is None:
-        raise ValueError("this MDP has no cells; a landscape needs a world's table")
-    states, cells = landscape_states(mdp, tool, object)
-    values = np.full(mdp.shape[0] * mdp.shape[1], np.nan)
-    values[cells] = empowerment(mdp, horizon, sensor, actions, states, **options)
-    return values.reshape(mdp.shape)
-
-
-def world_landscape(
-    world: World,
-    horizon: int,
-    sensor: str = "state",
-    actions: Sequence[int] | None = None,
-    slip: float = 0.0,
-    **options: Unpack[Options],
-) -> Float64[np.ndarray, "rows columns"]:
-    """The `landscape` of a world with tool and object at their cells of the map.
-
-    Example:
-        >>> from habilis.worlds.world import load_world
-        >>> float(np.nanmax(world_landscape(load_world("corridor"), 1, "object")))
-        1.0
-    """
-    mdp = tabulate(world, slip)
-    place = {"tool": world.tool_cell, "object": world.object}
-    return landscape(mdp, horizon, sensor, actions, **place, **options)
 
 
 def ranking(averages: Mapping[str, float]) -> list[str]:

@@ -1,49 +1,107 @@
-"""Per-state values as tables."""
+"""Values of states as tables, in memory and as files."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 import polars as pl
-from jaxtyping import Float64
+from numpy.typing import ArrayLike
 
+from habilis.empowerment.arguments import chosen_states
+from habilis.files import suffix_of
 from habilis.mdp import TabularMDP
 
 
-def state_table(
+def to_dataframe(
     mdp: TabularMDP,
-    values: Float64[np.ndarray, "S"],
-    gap: Float64[np.ndarray, "S"] | None = None,
-    unit: str = "bits",
+    values: ArrayLike | Mapping[str, ArrayLike] | None = None,
+    *,
+    states: ArrayLike | None = None,
+    **measures: ArrayLike,
 ) -> pl.DataFrame:
-    """One row a state: its index, its factors (cells as row and column), flags, and its value.
+    """One row a state: its index, its factors (cells as row and column), flags, and its values.
 
     Args:
-        mdp: the table.
-        values: one for every state.
-        gap: their certified gaps; no column where there is none.
-        unit: the name of the values' column.
+        mdp: any table.
+        values: one for every state, as `empowerment` gives them, for a column "bits"; or several
+            such arrays by the names of their columns.
+        states: the n states that the rows are about, as indices or as bool[S], where `empowerment`
+            was asked about these. By default all, in order.
+        **measures: more columns of values.
+
+    Returns:
+        A Polars data frame; `.to_pandas()` makes a Pandas one of it (with pyarrow installed).
+
+    Raises:
+        ValueError: no such states, not as many values as states, or a column's name twice.
+
+    Example:
+        >>> mdp = TabularMDP.deterministic([[0, 1], [1, 0]])
+        >>> to_dataframe(mdp, foe=[1.0, 0.5]).rows(named=True)
+        [{'state': 0, 'foe': 1.0}, {'state': 1, 'foe': 0.5}]
     """
-    columns: dict[str, np.ndarray] = {"state": np.arange(mdp.states)}
+    rows = chosen_states(mdp, states)
+    columns: dict[str, np.ndarray] = {"state": rows}
     for name, labels in mdp.factors.items():
         if mdp.shape is None:
-            columns[name] = labels
+            columns[name] = labels[rows]
         else:
-            columns[f"{name}_row"], columns[f"{name}_column"] = np.divmod(labels, mdp.shape[1])
-    measured = {unit: values} if gap is None else {unit: values, "gap": gap}
-    return pl.DataFrame(columns | dict(mdp.flags) | measured)
+            row, column = np.divmod(labels[rows], mdp.shape[1])
+            columns |= {f"{name}_row": row, f"{name}_column": column}
+    columns |= {name: flags[rows] for name, flags in mdp.flags.items()}
+    given = [] if values is None else [values if isinstance(values, Mapping) else {"bits": values}]
+    for name, measured in ((n, m) for mapping in [*given, measures] for n, m in mapping.items()):
+        column = np.asarray(measured)
+        if column.shape != (len(rows),):
+            raise ValueError(
+                f"{name} has shape {column.shape}; give one value for each of the "
+                f"{len(rows):,} states, or say of which with states="
+            )
+        if name in columns:
+            raise ValueError(f"the column {name!r} is there already; name the values otherwise")
+        columns[name] = column
+    return pl.DataFrame(columns)
 
 
 def save_table(table: pl.DataFrame, path: str | Path) -> None:
     """Writes a table by the file's suffix.
 
+    Args:
+        table: any.
+        path: ends with .csv, .parquet, .npz (an array a column), or .npy (the one column of
+            floating point numbers that there is). Nulls are NaN in arrays.
+
     Raises:
-        ValueError: the suffix is neither .csv nor .parquet, or the file cannot be written.
+        ValueError: another suffix, no or several columns of floating point numbers for .npy, or
+            the file cannot be written.
     """
-    path = Path(path)
-    writers = {".csv": table.write_csv, ".parquet": table.write_parquet}
-    if path.suffix.lower() not in writers:
-        raise ValueError(f"{path}: unknown kind of file {path.suffix!r}; use .csv or .parquet")
+    write = TABLES[suffix_of(path, TABLES)]
     try:
-        writers[path.suffix.lower()](path)
+        write(table, Path(path))
     except (OSError, pl.exceptions.PolarsError) as error:
         raise ValueError(f"{path}: cannot be written ({str(error).splitlines()[0]})") from error
+
+
+def _npz(table: pl.DataFrame, path: Path) -> None:
+    with path.open("wb") as file:
+        np.savez(file, allow_pickle=False, **{c.name: c.to_numpy() for c in table})
+
+
+def _npy(table: pl.DataFrame, path: Path) -> None:
+    columns = [column for column in table if column.dtype.is_float()]
+    if len(columns) != 1:
+        names = ", ".join(column.name for column in columns) or "none"
+        raise ValueError(
+            f"{path}: .npy is for one column of values, here are {names}; use .npz, .csv, .parquet"
+        )
+    with path.open("wb") as file:
+        np.save(file, columns[0].to_numpy())
+
+
+TABLES: dict[str, Callable[[pl.DataFrame, Path], None]] = {
+    ".csv": lambda table, path: table.write_csv(path),
+    ".parquet": lambda table, path: table.write_parquet(path),
+    ".npz": _npz,
+    ".npy": _npy,
+}
+"""How a table is written, by the file's suffix."""

@@ -63,6 +63,9 @@ def usefulness(
         slip: as in `tabulate`.
         **options: of `empowerment`.
 
+    Returns:
+        Both empowerments of every placement with the tool in hand, and what they say of the tool.
+
     Raises:
         ValueError: the world has no tool, or as in `empowerment`.
 

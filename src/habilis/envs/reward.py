@@ -145,6 +145,7 @@ class VectorEmpowermentReward(VectorWrapper):
 
         Raises:
             ValueError: as there, or the environments are not in this process.
+            TypeError: there is no such setting.
         """
         super().__init__(env)
         known = {f.name for f in fields(Bonus)}

@@ -56,17 +56,29 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         """
         check_episode(max_steps, slip)
         shown = ranks(mdp) if observation is None else observation
-        self.mdp = mdp
-        # Views, not lists: they give Python's own numbers as fast, and take no time to make.
-        self._next_state = mdp.next_state.reshape(-1).data
-        self._reward = mdp.reward.astype(np.float64).reshape(-1).data
-        self._terminal = mdp.terminal.data
-        self._columns = [(name, c.data) for name, c in (columns or {}).items()]
+        self.mdp, self._columns = mdp, dict(columns or {})
+        self._look_up()
         self._show, self._actions = shown.show, mdp.action_count
         self._max_steps, self._slip = max_steps, slip
         self.state, self._steps = mdp.start, 0
         self.observation_space: Any = shown.space
         self.action_space: Any = gymnasium.spaces.Discrete(mdp.action_count)
+
+    def _look_up(self) -> None:
+        """Views, not lists: they give Python's own numbers as fast, and take no time to make."""
+        self._next_state = self.mdp.next_state.reshape(-1).data
+        self._reward = self.mdp.reward.astype(np.float64).reshape(-1).data
+        self._terminal = self.mdp.terminal.data
+        self._told = [(name, column.data) for name, column in self._columns.items()]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies: views cannot be copied."""
+        views = ("_next_state", "_reward", "_terminal", "_told")
+        return {name: value for name, value in vars(self).items() if name not in views}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._look_up()
 
     @property
     def dynamics(self) -> TabularMDP:
@@ -96,7 +108,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     def _info(self) -> dict[str, Any]:
         state = self.state
         info: dict[str, Any] = {"state": state}
-        for name, column in self._columns:
+        for name, column in self._told:
             info[name] = column[state]
         return info
 

@@ -87,7 +87,14 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begins new episodes, in all environments or where `options["reset_mask"]` is true.
+        """Begins new episodes.
+
+        Args:
+            seed: of all the random numbers from here on; `None` goes on with those there are.
+            options: `{"reset_mask": bool[N]}`: where to begin; everywhere if left out.
+
+        Returns:
+            Observations of all environments, N in front, and `info`.
 
         Raises:
             ValueError: the mask is not a bool for every environment.

@@ -58,7 +58,7 @@ class WorldEnv(TableEnv):
     def __init__(
         self,
         world: World | str | Path,
-        tool: str | Tool | None = None,
+        tool: str | Tool | type | None = None,
         max_steps: int = MAX_STEPS,
         observation: str = "factors",
         measures: Measures | None = None,
@@ -150,7 +150,7 @@ class WorldVectorEnv(TableVectorEnv):
         self,
         num_envs: int,
         world: World | str | Path,
-        tool: str | Tool | None = None,
+        tool: str | Tool | type | None = None,
         max_steps: int = MAX_STEPS,
         observation: str = "factors",
         measures: Measures | None = None,
@@ -213,7 +213,7 @@ class Scene:
     def of(
         cls,
         world: World | str | Path,
-        tool: str | Tool | None,
+        tool: str | Tool | type | None,
         shown: str,
         measures: Measures | None,
         slip: float,

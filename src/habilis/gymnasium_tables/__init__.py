@@ -29,6 +29,9 @@ def table_of(
     inner = getattr(env, "unwrapped", None)
     if not hasattr(inner, "action_space"):
         raise ValueError(f"{env!r} is no Gymnasium environment; give what gymnasium.make returns")
+    own = getattr(inner, "dynamics", None)
+    if isinstance(own, TabularMDP):
+        return own  # of our environments
     table = getattr(inner, "P", None)
     if table is not None:
         if len(table) > max_states:

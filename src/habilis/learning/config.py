@@ -102,6 +102,13 @@ class Config:
     def from_dict(cls, values: dict[str, Any]) -> "Config":
         """A configuration from plain values, such as a settings file holds.
 
+        Args:
+            values: fields by name, those of the algorithm among them; "algorithm" by its name, as
+                "ppo". What is left out is the default.
+
+        Returns:
+            The configuration.
+
         Raises:
             ValueError: a field does not exist, or its value is out of range.
         """
@@ -123,7 +130,12 @@ class Config:
     def changed(self, **values: Any) -> "Config":
         """This configuration with other values for some fields, its own or the algorithm's.
 
-        With another `algorithm`, by its name, all that is not given is that one's default.
+        Args:
+            **values: fields by name. With another `algorithm`, by its name, all that is not given
+                is that one's default.
+
+        Returns:
+            Another configuration; this one stays as it is.
 
         Raises:
             ValueError: as in `from_dict`.

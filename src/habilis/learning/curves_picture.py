@@ -34,6 +34,9 @@ def curves_figure(curves: Mapping[str, Curve], best_returns: Sequence[float] = (
     Args:
         curves: of one value, over one unit.
         best_returns: drawn dotted.
+
+    Returns:
+        The figure; `worlds.pictures.save_figure` writes it.
     """
     one = next(iter(curves.values()))
     figure = Figure(figsize=(11, 4.8), dpi=96)

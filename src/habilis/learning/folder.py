@@ -206,13 +206,17 @@ def check_same_table(world: World, digest: str | None, folder: Path) -> None:
 
 
 def load_run(folder: str | Path) -> Run:
-    """Reads a run back.
+    """Reads a run back; see `load_latest` for runs that have not ended.
+
+    Args:
+        folder: where `train` or `habilis train` kept it.
+
+    Returns:
+        The run as `train` returned it.
 
     Raises:
         ValueError: the folder holds no run, one that has not ended, or a damaged one; the message
             names the file.
-
-    See `load_latest` for runs that have not ended.
     """
     folder = Path(folder)
     config, world = read_config(folder), read_world(folder)

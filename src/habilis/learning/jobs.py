@@ -1,6 +1,5 @@
 """Configurations made ready for training."""
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -10,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from habilis.cache import fingerprint
 from habilis.learning import intrinsic
 from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.episodes import Ledger
@@ -135,11 +135,7 @@ def digest_of_own_tool(world: World) -> str | None:
     if world.own is None:
         return None
     mdp = _tabulated(world)[0]
-    digest = hashlib.sha256()
-    for array in (mdp.next_state, *mdp.factors.values(), *mdp.flags.values()):
-        digest.update(f"{array.dtype.str}{array.shape}".encode())
-        digest.update(np.ascontiguousarray(array).data)
-    return digest.hexdigest()[:32]
+    return fingerprint(mdp.next_state, *mdp.factors.values(), *mdp.flags.values())[:32]
 
 
 @lru_cache(KEPT)

@@ -49,6 +49,13 @@ def play(run: Run, index: int = 0) -> Episode:
     The policy and the world are deterministic, so an episode that comes back to a state will
     never reach the goal: it ends there.
 
+    Args:
+        run: what `train` returned, or `load_run`.
+        index: which of its runs, from 0.
+
+    Returns:
+        The episode.
+
     Raises:
         ValueError: there is no such run.
     """

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from habilis.empowerment.landscape_picture import draw_landscapes
 from habilis.learning.runs import Run
 from habilis.studies.curves import (
     SMOOTHING,
@@ -17,7 +18,7 @@ from habilis.studies.curves import (
 )
 from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, corridor, yard
 from habilis.studies.tables import Result
-from habilis.worlds.pictures import draw_world, landscape_figure
+from habilis.worlds.pictures import draw_world
 from habilis.worlds.rules import ACTIONS
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import World
@@ -116,8 +117,7 @@ def _curves(ax: Axes, results: Sequence[Result], share: Callable[[Run], Curves])
 def figure_3() -> Figure:
     """1-step FOE, 5-step FOE and 6-step TOE in the first world."""
     scene = corridor()
-    return landscape_figure(
-        scene.world,
+    return draw_landscapes(
         {
             "(a) 1-step FOE": scene.landscape(1, "state"),
             "(b) 5-step FOE": scene.landscape(5, "state"),
@@ -131,11 +131,11 @@ def figure_4a() -> Figure:
     """1-step FOE with the can next to the broom."""
     broom = yard().with_tool("broom").placed(BESIDE_TOOL, BESIDE_CAN)
     panels = {"(a) 1-step FOE, broom": broom.landscape(1, "state")}
-    return landscape_figure(broom.world, panels, cell=40)
+    return draw_landscapes(panels, cell=40)
 
 
 def figure_4b(tool: str) -> Figure:
     """1-step TOE with the can next to a tool."""
     scene = yard().with_tool(tool).placed(BESIDE_TOOL, BESIDE_CAN)
     panels = {f"(b) 1-step TOE, {tool}": scene.landscape(1, "object")}
-    return landscape_figure(scene.world, panels, cell=40)
+    return draw_landscapes(panels, cell=40)

@@ -40,7 +40,7 @@ def picker_is_useful() -> Relation:
 
 def one_step_foe_is_a_beacon_at_the_tool() -> Relation:
     scene = corridor()
-    values = scene.landscape(1, "state")
+    values = scene.landscape(1, "state").values
     around = scene.distance(scene.tool_cell) == 1
     least, elsewhere = np.nanmin(values[around]), np.nanmax(values[~around])
     return Relation(
@@ -52,7 +52,7 @@ def one_step_foe_is_a_beacon_at_the_tool() -> Relation:
 
 
 def foe_grows_with_the_horizon() -> Relation:
-    one, five = corridor().landscape(1, "state"), corridor().landscape(5, "state")
+    one, five = corridor().landscape(1, "state").values, corridor().landscape(5, "state").values
     gain = np.nanmin(five - one)
     return Relation(
         "IV-B.2",
@@ -66,7 +66,7 @@ def five_step_foe_is_high_at_tool_and_can_alike() -> Relation:
     scene = corridor()
     tool = scene.beside(5, "state", scene.tool_cell).max()
     can = scene.beside(5, "state", scene.world.object).max()
-    rest = np.nanmean(scene.landscape(5, "state"))
+    rest = np.nanmean(scene.landscape(5, "state").values)
     return Relation(
         "IV-B.2",
         "5-step FOE is about equally high around the picker and around the can (maxima within half "
@@ -79,7 +79,7 @@ def five_step_foe_is_high_at_tool_and_can_alike() -> Relation:
 
 def one_step_toe_is_at_the_can_alone() -> Relation:
     scene = corridor()
-    values = scene.landscape(1, "object")
+    values = scene.landscape(1, "object").values
     around = scene.distance(scene.world.object) == 1
     beside, elsewhere = values[around & np.isfinite(values)], np.nanmax(values[~around])
     return Relation(
@@ -98,7 +98,7 @@ def six_step_toe_is_higher_at_the_picker() -> Relation:
     return Relation(
         "IV-B.2",
         "6-step TOE has its maximum next to the picker, above that next to the can",
-        bool(tool > can and tool == np.nanmax(scene.landscape(6, "object"))),
+        bool(tool > can and tool == np.nanmax(scene.landscape(6, "object").values)),
         f"{tool:.2f} bits next to the picker, {can:.2f} bits next to the can",
     )
 
@@ -122,7 +122,7 @@ def toe_grows_towards_the_can() -> Relation:
 
 def goal_has_low_foe() -> Relation:
     scene = corridor()
-    values = scene.landscape(5, "state")
+    values = scene.landscape(5, "state").values
     goal, middle = values[scene.world.goal], np.nanmedian(values)
     return Relation(
         "IV-B.2",

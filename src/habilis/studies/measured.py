@@ -33,7 +33,7 @@ def _of_landscape(scene: Scene, stated: Stated) -> float:
     places = scene.side_by_side if stated.placed else (scene.world.tool_cell, scene.world.object)
     if places is None:
         return nan
-    values = scene.landscape(stated.horizon, stated.sensor, places)
+    values = scene.landscape(stated.horizon, stated.sensor, places).values
     if stated.around:
         cell = places[0] if stated.around == "tool" else places[1]
         assert cell is not None, "lists that speak of a tool without one are refused"

@@ -47,6 +47,9 @@ def reproduce(
         budget: fields of `Config` instead of either budget, such as `{"runs": 2}`.
         show_progress: whether to draw bars on standard error.
 
+    Returns:
+        What came out, beside what is published: numbers, statements, and both tables.
+
     Raises:
         ValueError: the folder holds something else, or cannot be written.
     """

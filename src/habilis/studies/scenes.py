@@ -6,10 +6,11 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from habilis.empowerment.measures import average_empowerment, landscape
+from habilis.empowerment.landscape import Landscape, landscape
+from habilis.empowerment.measures import average_empowerment
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import restarted, tabulate
-from habilis.worlds.world import Cell, World, load_world
+from habilis.worlds.world import NO_TOOL, Cell, World, load_world
 
 # What `Scene.side_by_side` finds in the yard.
 BESIDE_TOOL: Cell = (2, 6)
@@ -25,7 +26,7 @@ class Scene:
     world: World
     _like: TabularMDP | None = field(default=None, compare=False, repr=False)
     _tools: dict[str, "Scene"] = field(default_factory=dict, compare=False, repr=False)
-    _landscapes: dict[tuple, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
+    _landscapes: dict[tuple, Landscape] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
     def mdp(self) -> TabularMDP:
@@ -55,7 +56,7 @@ class Scene:
 
     def landscape(
         self, horizon: int, sensor: str, places: tuple[Cell | None, Cell] | None = None
-    ) -> Float64[np.ndarray, "rows columns"]:
+    ) -> Landscape:
         """Bits for every agent cell, tool and object at their cells of the map.
 
         Or at other places, for the agent cells from which the tool is then in hand.
@@ -63,13 +64,15 @@ class Scene:
         tool, thing = places or (self.world.tool_cell, self.world.object)
         key = horizon, sensor, tool, thing
         if key not in self._landscapes:
-            values = landscape(self.mdp, horizon, sensor, tool=tool, object=thing)
-            self._landscapes[key] = values
-        return self._landscapes[key].copy()
+            tool = None if self.world.tool == NO_TOOL else tool
+            self._landscapes[key] = landscape(
+                self.world, horizon, sensor, tool=tool, object=thing, mdp=self.mdp
+            )
+        return self._landscapes[key]
 
     def beside(self, horizon: int, sensor: str, cell: Cell) -> Float64[np.ndarray, "n"]:
         """The landscape's values in the cells around one."""
-        values = self.landscape(horizon, sensor)[self.distance(cell) == 1]
+        values = self.landscape(horizon, sensor).values[self.distance(cell) == 1]
         return values[np.isfinite(values)]
 
     def distance(self, cell: Cell) -> Int64[np.ndarray, "rows columns"]:

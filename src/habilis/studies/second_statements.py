@@ -69,7 +69,10 @@ def _able_by_offset(tool: str) -> np.ndarray:
 
 def foe_cannot_tell_the_tools_apart() -> Relation:
     near = yard().placed(BESIDE_TOOL, BESIDE_CAN)
-    picker, broom = near.landscape(1, "state"), near.with_tool("broom").landscape(1, "state")
+    picker, broom = (
+        near.landscape(1, "state").values,
+        near.with_tool("broom").landscape(1, "state").values,
+    )
     apart = np.abs(picker - broom) > _SAME
     return Relation(
         "IV-C.2",
@@ -104,8 +107,8 @@ def one_step_toe_tells_the_tools_apart() -> Relation:
 
 def foe_cannot_see_the_can() -> Relation:
     broom = yard().with_tool("broom")
-    near = broom.placed(BESIDE_TOOL, BESIDE_CAN).landscape(1, "state")
-    far = broom.placed(BESIDE_TOOL, FAR_CAN).landscape(1, "state")
+    near = broom.placed(BESIDE_TOOL, BESIDE_CAN).landscape(1, "state").values
+    far = broom.placed(BESIDE_TOOL, FAR_CAN).landscape(1, "state").values
     both = (broom.distance(BESIDE_TOOL) == 1) & np.isfinite(near)
     apart = both & (np.abs(near - far) > _SAME)
     return Relation(
@@ -121,7 +124,7 @@ def toe_is_zero_far_from_the_can() -> Relation:
     for tool in ("picker", "broom"):
         far = yard().with_tool(tool).placed(BESIDE_TOOL, FAR_CAN)
         for horizon in (1, 2, 3):
-            values = far.landscape(horizon, "object")
+            values = far.landscape(horizon, "object").values
             at_tool = np.nanmax(values[far.distance(BESIDE_TOOL) == 1])
             at_can = np.nanmax(values[far.distance(FAR_CAN) <= horizon])
             elsewhere = np.nanmax(values[far.distance(FAR_CAN) > horizon])

@@ -107,6 +107,12 @@ episodes is below that of a shortest plan."""
 def read_spec(path: str | Path) -> Spec:
     """Reads a SPEC.toml.
 
+    Args:
+        path: of the file.
+
+    Returns:
+        The sweep that it describes, checked.
+
     Raises:
         ValueError: it cannot be read, or names something that does not exist or cannot be; says
             where.

@@ -118,6 +118,9 @@ def read(tasks: Sequence[Task], folder: Path) -> tuple[dict[str, Outcomes], list
 def results(folder: str | Path) -> pl.DataFrame:
     """What the tasks of a sweep that are finished came to, be the sweep itself or not.
 
+    Args:
+        folder: of the sweep.
+
     Returns:
         One row a run of each point, in their order: "point" (from 0), the fields of its
         configuration, and those of its `Outcome`.

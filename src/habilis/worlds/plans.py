@@ -23,6 +23,7 @@ class Plan:
 
     @property
     def steps(self) -> int:
+        """How many actions it takes."""
         return len(self.actions)
 
 

@@ -7,7 +7,7 @@ from jaxtyping import Integer, UInt8
 from numpy.typing import ArrayLike
 
 from habilis.worlds.pictures import looks, on_goal, rendered
-from habilis.worlds.world import NO_TOOL, World
+from habilis.worlds.world import NO_TOOL, Cell, World
 
 Labels = Integer[np.ndarray, "N"]
 
@@ -58,6 +58,15 @@ class Tiles:
             can=tiles["can"],
             tool=None if world.tool == NO_TOOL else np.stack([tiles[name] for name in _LOOKS]),
         )
+
+    def picture(self, state: World) -> UInt8[np.ndarray, "height width 3"]:
+        """The picture of a state of the same world (see `frame`)."""
+
+        def label(cell: Cell) -> int:
+            return cell[0] * state.width + cell[1]
+
+        tool = None if state.tool_cell is None else label(state.tool_cell)
+        return self.frame(label(state.agent), tool, label(state.object))
 
     def frame(
         self, agent: int, tool: int | None, object: int

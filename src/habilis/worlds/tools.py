@@ -49,26 +49,52 @@ class Tool(Protocol):
     """The character that stands for it on a map."""
 
     def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
-        """Whether the object goes wherever the tool goes, bool of the shape of the cells."""
+        """Whether the object goes wherever the tool goes.
+
+        Args:
+            agent, tool, thing: their cells, integers of one shape.
+
+        Returns:
+            Bool of that shape.
+        """
         ...
 
     def carry(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
-        """The object's new cell when the agent moves by `step` and its tool with it."""
+        """The object's new cell when the agent moves by `step` and its tool with it.
+
+        Args:
+            agent, tool, thing: their cells, integers of one shape.
+            step: the distance, in cells, of the agent's move.
+
+        Returns:
+            Cells, in that shape; those of `thing` where the tool leaves it alone.
+        """
         ...
 
     def swing(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
-        """The object's new cell when the tool is put on the side `agent + step`."""
+        """The object's new cell when the tool is put on the side `agent + step`.
+
+        Args:
+            agent, tool, thing: their cells, integers of one shape.
+            step: the distance, in cells, from the agent to that side.
+
+        Returns:
+            Cells, in that shape; those of `thing` where the tool leaves it alone.
+        """
         ...
 
 
 class Picker:
-    """Holds an object that stands behind it in line with the agent (rules 3 to 5)."""
+    """Holds an object that stands behind it in line with the agent (rules 3 to 5).
+
+    Attached: agent, picker and object stand in one straight line in that order. Such an object goes
+    with the picker, carried or swung.
+    """
 
     character = "P"
     drawing = SHAPES["picker"]
 
     def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
-        """Agent, picker and object stand in one straight line in that order (rule 4)."""
         return thing - tool == tool - agent
 
     def carry(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:

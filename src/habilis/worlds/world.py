@@ -85,6 +85,9 @@ class World:
             name: what to call the world; errors begin with it.
             folder: where the files of tools are looked for before the working directory.
 
+        Returns:
+            The world.
+
         Raises:
             ValueError: the map is ragged or empty, has an unknown character, or does not have
                 exactly one agent, can and goal and at most one tool, or a tool of one's own is
@@ -157,12 +160,15 @@ class World:
             own=own if is_own(tool) else None,
         )
 
-    def with_tool(self, tool: str | Tool) -> "World":
+    def with_tool(self, tool: str | Tool | type) -> "World":
         """The same map with another tool in the place of its own ("none" leaves plain floor).
 
         Args:
             tool: the name of one (of one's own: "mytools.py:Rake" or "package.module:Rake"), or
-                the tool itself.
+                the tool itself or its class.
+
+        Returns:
+            Another world; this one stays as it is.
 
         Raises:
             ValueError: no such tool, or the map has no cell marked for a tool.
@@ -231,12 +237,15 @@ def world_names() -> list[str]:
     return sorted(file.name.removesuffix(".txt") for file in _builtin_files())
 
 
-def load_world(name: str | Path, tool: str | Tool | None = None) -> World:
+def load_world(name: str | Path, tool: str | Tool | type | None = None) -> World:
     """A built-in world by its name, or a map from a file.
 
     Args:
         name: "corridor", "yard", or the path of a map file.
         tool: takes the place of the map's own tool, as in `World.with_tool`; `None` keeps that.
+
+    Returns:
+        The world.
 
     Raises:
         ValueError: no such world or file, the file cannot be read as text, or the map is

@@ -1,0 +1,192 @@
+"""Landscapes: a value for every cell that the agent can be in, all else fixed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Unpack
+
+import numpy as np
+from jaxtyping import Float64
+
+from habilis.empowerment.core import Options, empowerment
+from habilis.empowerment.sensors import Sensor
+from habilis.files import suffix_of
+from habilis.mdp import TabularMDP
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import NO_TOOL, Cell, World
+
+if TYPE_CHECKING:
+    import polars as pl
+    from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
+
+_NOTEBOOK = 960  # pixels across, at most
+
+
+@dataclass(frozen=True, eq=False)
+class Landscape:
+    """A value for every agent cell, tool and object fixed.
+
+    Attributes:
+        values: float64[rows, columns], in `unit`; NaN where the agent cannot be: walls, the cells
+            of tool and object.
+        world: the map, with tool and object where they were put.
+        unit: "bits" or "nats".
+        title: what was measured, as a picture says it.
+    """
+
+    values: Float64[np.ndarray, "rows columns"]
+    world: World
+    unit: str = "bits"
+    title: str = ""
+
+    def draw(
+        self,
+        ax: "Axes | None" = None,
+        vmin: float | None = None,
+        vmax: float | None = None,
+        labels: bool = True,
+        title: str | None = None,
+    ) -> "PolyCollection":
+        """Draws it as a heat map with the walls, the goal, the object and the tool.
+
+        Args:
+            ax: any Matplotlib axes; by default pyplot's current ones.
+            vmin, vmax: the ends of the colour scale; by default those of the values.
+            labels: whether to print the values. They grow and shrink with the axes, and are left
+                out while they would be too small to read.
+            title: stands above the map; by default what was measured, "" for nothing.
+
+        Returns:
+            What a colour bar needs: `figure.colorbar(mappable, ax=ax, label=landscape.unit)`.
+        """
+        from habilis.worlds.heat import draw_heat
+
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.gca()
+        title = self.title if title is None else title
+        return draw_heat(
+            ax, self.world, self.values, vmin=vmin, vmax=vmax, labels=labels, title=title
+        )
+
+    def to_dataframe(self) -> "pl.DataFrame":
+        """One row a cell: row, column, and the value, null where there is none."""
+        import polars as pl
+
+        row, column = np.indices(self.values.shape).reshape(2, -1)
+        table = pl.DataFrame({"row": row, "column": column, self.unit: self.values.ravel()})
+        return table.with_columns(pl.col(self.unit).fill_nan(None))
+
+    def save(self, path: str | Path) -> None:
+        """Writes the picture, or the values, by the file's suffix.
+
+        Args:
+            path: ends with .png, .svg or .pdf for the picture with its colour scale; with .csv,
+                .parquet or .npz for the columns row, column and value; or with .npy for the
+                values as they are, float64[rows, columns].
+
+        Raises:
+            ValueError: another suffix, or the table cannot be written; nothing is written.
+        """
+        from habilis.empowerment.landscape_picture import draw_landscapes
+        from habilis.empowerment.tables import TABLES, save_table
+        from habilis.worlds.pictures import PICTURES, save_figure
+
+        suffix = suffix_of(path, [*PICTURES, *TABLES])
+        if suffix in PICTURES:
+            save_figure(draw_landscapes({self.title: self}), path)
+        elif suffix == ".npy":
+            with Path(path).open("wb") as file:
+                np.save(file, self.values)
+        else:
+            save_table(self.to_dataframe(), path)
+
+    def _repr_png_(self) -> bytes:
+        """The picture, for notebooks."""
+        from io import BytesIO
+
+        from habilis.empowerment.landscape_picture import draw_landscapes
+
+        cell = min(48, max(4, _NOTEBOOK // max(self.values.shape)))
+        picture = BytesIO()
+        draw_landscapes({self.title: self}, cell=cell).savefig(picture, format="png", dpi="figure")
+        return picture.getvalue()
+
+
+def landscape(
+    world: World,
+    horizon: int,
+    sensor: Sensor = "state",
+    actions: Sequence[int] | None = None,
+    *,
+    slip: float = 0.0,
+    tool: Cell | None = None,
+    object: Cell | None = None,
+    mdp: TabularMDP | None = None,
+    ax: "Axes | None" = None,
+    **options: Unpack[Options],
+) -> Landscape:
+    """Empowerment for every agent cell, tool and object fixed.
+
+    Args:
+        world: the map.
+        horizon, sensor, actions: as in `empowerment`.
+        slip: as in `tabulate`.
+        tool, object: their cells; by default those of the map. The agent next to the tool has it
+            in hand; where the tool does not lie at its cell of the map, there are only such
+            states.
+        mdp: the world's table, if it is at hand.
+        ax: Matplotlib axes to draw it on at once (see `Landscape.draw`).
+        **options: of `empowerment`, such as unit="nats".
+
+    Raises:
+        ValueError: as in `empowerment`; a tool's cell in a world without one, or no state has
+            tool and object there.
+
+    Example:
+        >>> from habilis.worlds.world import load_world
+        >>> found = landscape(load_world("corridor"), 1, "object")
+        >>> found.values.shape, float(np.nanmax(found.values))
+        ((10, 10), 1.0)
+    """
+    if tool is not None and world.tool == NO_TOOL:
+        raise ValueError(f"{world.name} has no tool here; leave out tool, or use with_tool")
+    if mdp is not None and slip:
+        raise ValueError("slip is given beside a table; give it to `tabulate`")
+    if mdp is not None and mdp.shape != (world.height, world.width):
+        raise ValueError(f"{world.name}: the table is of another map; give what `tabulate` made")
+    mdp = tabulate(world, slip) if mdp is None else mdp
+    tool, object = tool or world.tool_cell, object or world.object
+    states = _states(mdp, tool, object)
+    cells = mdp.factor("agent")[states]
+    values = np.full(world.height * world.width, np.nan)
+    values[cells] = empowerment(mdp, horizon, sensor, actions, states, **options)
+    row, column = divmod(int(cells[0]), world.width)
+    agent = (row, column) if world.agent in (tool, object) else world.agent
+    sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
+    found = Landscape(
+        values=values.reshape(world.height, world.width),
+        world=replace(world, agent=agent, tool_cell=tool, object=object),
+        unit=options.get("unit", "bits"),
+        title=f"{horizon}-step empowerment{sensed}",
+    )
+    if ax is not None:
+        found.draw(ax)
+    return found
+
+
+def _states(mdp: TabularMDP, tool: Cell | None, object: Cell) -> np.ndarray:
+    """The states with tool and object there, one for every agent cell."""
+    here = mdp.factor("object") == mdp.label(object)
+    if "tool" in mdp.factors:
+        assert tool is not None, "a world with a tool has a cell for it"
+        here &= mdp.factor("tool") == mdp.label(tool)
+    states = np.flatnonzero(here)
+    if not len(states):
+        raise ValueError(
+            f"no state has the tool at {tool} and the object at {object}; "
+            "give two distinct free cells, the tool's beside a free one or the map's own"
+        )
+    return states

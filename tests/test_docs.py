@@ -1,0 +1,260 @@
+"""The documentation: its code runs, it builds, and the reference lacks nothing."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import blocks
+import pytest
+import reference
+
+import habilis
+from habilis.worlds.table import placement
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+WITH_CODE = [page for page in PAGES if any(b.runs for b in blocks.blocks(page.read_text("utf-8")))]
+
+
+def name(page):
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", WITH_CODE, ids=name)
+def test_the_code_of_a_page_runs_and_prints_what_it_says(page, tmp_path):
+    blocks.run(page, tmp_path)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_commands_that_are_not_run_are_commands(page):
+    from habilis.cli import _VERBS
+    from habilis.cli_arguments import parser
+
+    targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
+    for block in blocks.blocks(page.read_text("utf-8")):
+        if block.language == "sh":
+            for line, words in blocks.commands(block):
+                if words[0] == "habilis":
+                    parser(_VERBS).parse_args(words[1:])
+                elif words[0] == "make":
+                    assert set(words[1:]) <= set(targets), f"{page.name}, line {line}"
+                else:
+                    assert block.not_run, f"{page.name}, line {line}: {words[0]}"
+
+
+def drawings():
+    """Each drawing of the rules: the map before, the action, the map after."""
+    page = (ROOT / "docs" / "explanation" / "rules.md").read_text("utf-8")
+    for block in blocks.blocks(page):
+        for drawing in block.text.strip("\n").split("\n\n"):
+            parts = [re.split(r"\s{2,}", line) for line in drawing.splitlines()]
+            (action,) = (part[1] for part in parts if len(part) == 3)
+            yield [part[0] for part in parts], action, [part[-1] for part in parts]
+
+
+@pytest.mark.parametrize(("before", "action", "after"), list(drawings()))
+def test_the_drawings_of_the_rules_are_what_happens(before, action, after):
+    # What is drawn has no goal: one is put where nothing comes to.
+    below = ["#" * len(before[0]), "G".ljust(len(before[0]), "#")]
+    world = habilis.World.parse("\n".join(before + below))
+    mdp = habilis.tabulate(world)
+    state = mdp.next_state[mdp.start, mdp.actions.index(action)]
+    assert placement(world, mdp, state).text().splitlines() == after + below
+
+
+def page_of(tmp_path, text):
+    page = tmp_path / "page.md"
+    page.write_text(text)
+    return page
+
+
+def test_a_block_that_fails_is_named_by_page_and_line(tmp_path):
+    page = page_of(tmp_path, "# A page\n\n```python\nx = 1\n```\n\n```python\nx / 0\n```\n")
+    with pytest.raises(ValueError, match=r'(?s)page.md", line 8.*ZeroDivisionError'):
+        blocks.run(page, tmp_path)
+
+
+def test_a_warning_in_a_block_is_a_failure(tmp_path):
+    page = page_of(tmp_path, '```python\nimport warnings\nwarnings.warn("old")\n```\n')
+    with pytest.raises(ValueError, match="UserWarning: old"):
+        blocks.run(page, tmp_path)
+
+
+def test_what_a_block_prints_must_be_what_the_page_says(tmp_path):
+    said = "```python\nprint(1 + 1)\n```\n\n```text\n{}\n```\n"
+    blocks.run(page_of(tmp_path, said.format(2)), tmp_path)
+    with pytest.raises(ValueError, match="line 6: what is printed is\n2"):
+        blocks.run(page_of(tmp_path, said.format(3)), tmp_path)
+
+
+def test_a_command_that_fails_is_a_failure(tmp_path):
+    page = page_of(tmp_path, "```sh\nhabilis worlds nowhere\n```\n")
+    with pytest.raises(ValueError, match="nowhere: no such world"):
+        blocks.run(page, tmp_path)
+
+
+def test_a_block_with_a_title_is_a_file(tmp_path):
+    page = page_of(
+        tmp_path, '```text title="map.txt"\nA.CG\n```\n\n```sh\nhabilis solve map.txt\n```\n'
+    )
+    blocks.run(page, tmp_path)
+    assert (tmp_path / "map.txt").read_text() == "A.CG\n"
+
+
+def mkdocs(*arguments, before=""):
+    code = f"import sys\n{before}\nfrom mkdocs.__main__ import cli\ncli(sys.argv[1:])"
+    return subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)],
+        cwd=ROOT,
+        env=os.environ | {"NO_MKDOCS_2_WARNING": "1"},
+        capture_output=True,
+        text=True,
+    )
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("site")
+    built = mkdocs("build", "--strict", "--site-dir", folder)
+    assert built.returncode == 0, built.stderr
+    return folder
+
+
+# What a browser fetches by itself; where a link leads is fetched when a reader follows it.
+LOADED = re.compile(
+    r"""<(?:script|img|iframe|source|video|audio|embed|object)\b[^>]*?\s(?:src|srcset|data)=["']?"""
+    r"""([^"'\s>]+)|<link\b(?=[^>]*rel=["']?(?:stylesheet|icon|preload|preconnect|dns-prefetch|modulepreload))"""
+    r"""[^>]*?href=["']?([^"'\s>]+)""",
+    re.IGNORECASE,
+)
+STYLED = re.compile(r"""url\(\s*["']?([^"')]+)|@import\s+["']([^"']+)""")
+POLICY = "default-src 'self' file: data: blob: 'unsafe-inline'"
+
+
+def elsewhere(address):
+    return re.match(r"(?i)(https?:|ftp:)?//", address) is not None
+
+
+def test_pages_load_nothing_from_other_hosts(site):
+    pages = [*site.rglob("*.html")]
+    assert len(pages) > 15
+    for page in pages:
+        text = page.read_text("utf-8")
+        loaded = [a or b for a, b in LOADED.findall(text)] + [
+            a or b for a, b in STYLED.findall(text)
+        ]
+        assert not [address for address in loaded if elsewhere(address)], page
+    for sheet in site.rglob("*.css"):
+        styled = [a or b for a, b in STYLED.findall(sheet.read_text("utf-8"))]
+        assert not [address for address in styled if elsewhere(address)], sheet
+
+
+def test_scripts_of_the_theme_cannot_ask_other_hosts_either(site):
+    for page in site.rglob("*.html"):
+        if page.is_relative_to(site / "multiverse"):
+            assert "<script" not in page.read_text("utf-8")
+            continue
+        head = page.read_text("utf-8").partition("</head>")[0]
+        assert f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">' in head, page
+        # A policy holds for what comes after it: no script stands before.
+        assert "<script" not in head.partition("Content-Security-Policy")[0], page
+
+
+def test_formulae_are_mathml_and_none_is_left_over(site):
+    page = (site / "explanation" / "empowerment.html").read_text("utf-8")
+    assert '<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">' in page
+    for page in site.rglob("*.html"):
+        assert "arithmatex" not in page.read_text("utf-8"), page
+
+
+def test_every_public_name_has_its_place_in_the_built_reference(site):
+    inventory = "".join(p.read_text("utf-8") for p in (site / "reference").glob("*.html"))
+    for path in reference.public_names():
+        assert re.search(rf'id="{re.escape(path)}(\.\w+)?"', inventory), path
+
+
+def test_the_build_fails_on_a_public_name_that_is_not_in_the_reference(tmp_path):
+    before = "import habilis\nhabilis.forgotten = lambda: 0\nhabilis.__all__.append('forgotten')"
+    built = mkdocs("build", "--site-dir", tmp_path / "site", before=before)
+    assert built.returncode != 0
+    assert "habilis.forgotten is on no page of the reference" in built.stderr
+    assert "habilis.forgotten has no docstring" in built.stderr
+    assert not (tmp_path / "site").exists()
+
+
+def test_the_build_fails_on_a_link_to_nowhere(tmp_path):
+    docs = tmp_path / "docs"
+    docs.mkdir()
+    (docs / "index.md").write_text("# One\n\n[two](#two)\n")
+    config = re.sub(
+        r"(?s)\nnav:.*\nplugins:.*?\n(?=markdown)", "\n", (ROOT / "mkdocs.yml").read_text()
+    )
+    config = config.replace("docs/theme", str(ROOT / "docs" / "theme"))
+    assert "anchors: warn" in config
+    (tmp_path / "mkdocs.yml").write_text(config)
+    (tmp_path / "docs" / "theme").mkdir()
+    built = mkdocs("build", "--strict", "--config-file", tmp_path / "mkdocs.yml")
+    assert built.returncode != 0
+    assert "#two" in built.stderr
+
+
+def complaints(thing):
+    return [fault.removeprefix("a.thing") for fault in reference.faults({"a.thing": thing}, [])][1:]
+
+
+def test_a_docstring_tells_arguments_results_and_errors():
+    def silent(x: int) -> int:
+        if x < 0:
+            raise ValueError("negative")
+        return x
+
+    assert complaints(silent) == [" has no docstring"]
+    silent.__doc__ = """Does something."""
+    assert complaints(silent) == [
+        ": its argument x is not described",
+        " does not say what it returns",
+        " does not say when it raises ValueError",
+    ]
+    silent.__doc__ = """Gives it back.
+
+    Args:
+        x, y: a number.
+
+    Returns:
+        x
+
+    Raises:
+        ValueError: it is negative.
+    """
+    assert complaints(silent) == [" describes an argument y that it does not have"]
+
+
+def test_a_class_describes_its_attributes_and_methods():
+    from dataclasses import dataclass
+
+    @dataclass
+    class Pair:
+        """Two.
+
+        Attributes:
+            one: the one.
+        """
+
+        one: int
+        other: int
+
+        def swapped(self) -> "Pair":
+            return Pair(self.other, self.one)
+
+    assert complaints(Pair) == [
+        ": its attribute other is not described",
+        ".swapped has no docstring",
+    ]
+
+
+def test_lazy_names_and_those_of_the_environments_are_public_too():
+    names = reference.public_names()
+    assert {"habilis.train", "habilis.tabulate", "habilis.envs.WorldEnv"} <= names.keys()
+    assert len(names) >= len(habilis.__all__) + len(habilis._LAZY)
