@@ -54,12 +54,6 @@ class FunctionalEnv:
     where there is slip, that of a reset never. All methods work inside `jit`, `vmap` and `scan`;
     `params` may be left out: they are `default_params` then.
 
-    What the methods take:
-        - `key`: a JAX random key.
-        - `state`: a `State`: the index in the table, and the steps of the episode so far.
-        - `action`: int32[].
-        - `params`: a `Params`: the table, and what of it may change while an agent learns.
-
     Example:
         >>> import jax
         >>> env = FunctionalEnv("corridor", observation="grid")
