@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium.spaces import Discrete
 from jaxtyping import Float64
 
+from habilis.cache import fingerprint
 from habilis.envs.table import TableEnv
 from habilis.gymnasium_tables.enumeration import action_count, marker
 from habilis.gymnasium_tables.identity import digest
@@ -55,6 +56,27 @@ def places_of(env: Any, measure: Measure, max_states: int) -> Places:
     if getattr(inner, "P", None) is not None:
         return _DictPlaces(env, measure, max_states)
     return _EnumeratedPlaces(env, measure, max_states)
+
+
+def same_table(first: Any, other: Any, max_states: int) -> bool:
+    """Whether `places_of` one environment serve for another too.
+
+    Where states are enumerated they do: other layouts are told apart.
+    """
+    if not _has_table(first) and not _has_table(other):
+        return True
+
+    def content(env: Any) -> str:
+        mdp = TabularMDP.from_gymnasium(env, max_states=max_states)
+        return fingerprint(
+            mdp.transitions, *(part for pair in mdp.factors.items() for part in pair)
+        )
+
+    return _has_table(first) and _has_table(other) and content(first) == content(other)
+
+
+def _has_table(env: Any) -> bool:
+    return isinstance(env.unwrapped, TableEnv) or getattr(env.unwrapped, "P", None) is not None
 
 
 class _OwnPlaces:
