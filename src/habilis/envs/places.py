@@ -58,25 +58,21 @@ def places_of(env: Any, measure: Measure, max_states: int) -> Places:
     return _EnumeratedPlaces(env, measure, max_states)
 
 
-def same_table(first: Any, other: Any, max_states: int) -> bool:
+def same_table(one: Any, other: Any) -> bool:
     """Whether `places_of` one environment serve for another too.
 
     Where states are enumerated they do: other layouts are told apart.
     """
-    if not _has_table(first) and not _has_table(other):
-        return True
-
-    def content(env: Any) -> str:
-        mdp = TabularMDP.from_gymnasium(env, max_states=max_states)
-        return fingerprint(
-            mdp.transitions, *(part for pair in mdp.factors.items() for part in pair)
-        )
-
-    return _has_table(first) and _has_table(other) and content(first) == content(other)
+    one, other = one.unwrapped, other.unwrapped
+    if isinstance(one, TableEnv) and isinstance(other, TableEnv):
+        return one.slip == other.slip and _content(one.mdp) == _content(other.mdp)
+    both = (one, other)
+    tables = [env.mdp if isinstance(env, TableEnv) else getattr(env, "P", None) for env in both]
+    return tables[0] is tables[1] or tables[0] == tables[1]
 
 
-def _has_table(env: Any) -> bool:
-    return isinstance(env.unwrapped, TableEnv) or getattr(env.unwrapped, "P", None) is not None
+def _content(mdp: TabularMDP) -> str:
+    return fingerprint(mdp.transitions, *(part for pair in mdp.factors.items() for part in pair))
 
 
 class _OwnPlaces:

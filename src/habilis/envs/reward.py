@@ -217,7 +217,7 @@ class _ManyStates:
 
     def __init__(self, envs: list[gymnasium.Env], measure: Measure, max_states: int):
         for number, env in enumerate(envs[1:], start=1):
-            if not same_table(envs[0], env, max_states):
+            if not same_table(envs[0], env):
                 raise ValueError(
                     f"environment {number} is another than environment 0; wrap each environment "
                     "in EmpowermentReward before it is vectorised"
