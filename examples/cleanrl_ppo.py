@@ -1,6 +1,6 @@
 """PPO in one file, in the manner of CleanRL, with empowerment in the reward.
 
-    pip install "habilis[gymnasium]" torch
+    pip install ".[gymnasium]" torch
     python cleanrl_ppo.py --env-id habilis/Corridor-v0 --horizon 6 --beta 0.07
 
 It prints how long the last hundred episodes were, and what they were worth, twenty times.

@@ -1,6 +1,6 @@
 """PPO in the manner of PureJaxRL: agent, environments and learning in one compiled program.
 
-    pip install "habilis[learn,gymnasium]" gymnax six
+    pip install ".[learn,gymnasium]" gymnax six
     python purejaxrl_ppo.py --world corridor --horizon 6 --beta 0.07
 
 It prints how long the episodes were that ended in each tenth of the training.

@@ -1,6 +1,6 @@
 """Tabular Q-learning as in Gymnasium's tutorial, on one of our worlds.
 
-    pip install "habilis[gymnasium]"
+    pip install ".[gymnasium]"
     python q_learning.py --beta 0.1
 
 What is observed, the cells of agent, tool and can, is the key of a dictionary of values. It prints

@@ -421,7 +421,7 @@ def test_without_slip_the_key_has_no_part():
         ({"world": RING, "tool": "broom"}, "give a world"),
         ({"world": SMALL, "max_steps": 0}, "max_steps is 0"),
         ({"world": SMALL, "slip": 1.5}, "slip is 1.5"),
-        ({"world": RING.slippery(0.5)}, "this MDP is stochastic"),
+        ({"world": RING.slippery(0.5)}, "the table is stochastic"),
     ],
 )
 def test_what_it_cannot_be_is_refused(arguments, message):

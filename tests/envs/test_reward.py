@@ -272,6 +272,23 @@ def test_environments_without_a_table_are_refused():
         EmpowermentReward(env, **TOE | {"sensor": "state"}, max_states=5)
 
 
+class Turned(gymnasium.Wrapper):
+    """Fewer actions outside than inside."""
+
+    def __init__(self, env):
+        super().__init__(env)
+        self.action_space = gymnasium.spaces.Discrete(2)
+
+
+@pytest.mark.parametrize("name", ["FrozenLake-v1", "habilis/Yard-v0", "MiniGrid-Empty-5x5-v0"])
+def test_wrappers_inside_that_change_actions_are_refused(name):
+    sticky = gymnasium.wrappers.StickyAction(gymnasium.make(name), 0.5)
+    with pytest.raises(ValueError, match="StickyAction changes the actions"):
+        EmpowermentReward(sticky, 2, "state", 0.5)
+    with pytest.raises(ValueError, match=r"Discrete\(2\) outside and"):
+        EmpowermentReward(Turned(gymnasium.make(name)), 2, "state", 0.5)
+
+
 def test_environments_in_other_processes_are_to_be_wrapped_there():
     envs = VectorEnv()  # as AsyncVectorEnv, it has no environments in this process
     with pytest.raises(ValueError, match="wrap each environment in EmpowermentReward before"):

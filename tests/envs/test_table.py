@@ -55,3 +55,8 @@ def test_a_long_episode_is_cut_off_and_the_next_is_as_long(mdp):
     for _ in range(2):
         env.reset()
         assert [env.step(0)[3] for _ in range(3)] == [False, False, True]
+
+
+def test_a_stochastic_table_is_refused_with_what_to_do(mdp):
+    with pytest.raises(ValueError, match="the table is stochastic; give a deterministic one"):
+        TableEnv(mdp.slippery(0.1))

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import habilis as hb
-from habilis.envs import TableVectorEnv, WorldEnv, WorldVectorEnv
+from habilis.envs import TableEnv, TableVectorEnv, WorldEnv, WorldVectorEnv
 
 N = 5
 TOE = {"toe": {"horizon": 3, "sensor": "object"}}
@@ -97,6 +97,20 @@ def test_rendering_gives_a_picture_an_environment():
     assert pictures is not None
     assert np.array_equal(pictures[1], alone.render())
     assert not np.array_equal(*pictures)
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_an_episode_that_begins_in_a_terminal_state_does_not_end_there(mode):
+    table = hb.TabularMDP.deterministic([[0, 1], [0, 1]], terminal=[True, False])
+    ours = TableVectorEnv(table, 2, autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: TableEnv(table)] * 2, autoreset_mode=AutoresetMode(mode))
+    ours.reset(seed=0)
+    theirs.reset(seed=0)
+    for actions in ([0, 1], [0, 0], [1, 0], [0, 1]):
+        for one, other in zip(
+            ours.step(np.array(actions))[:4], theirs.step(np.array(actions))[:4], strict=True
+        ):
+            equal(one, other)
 
 
 def test_any_deterministic_table_will_do():

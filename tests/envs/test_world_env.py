@@ -274,7 +274,7 @@ def test_what_cannot_be_made_is_refused_in_one_line(arguments, message):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("action", [-1, 8])
+@pytest.mark.parametrize("action", [-1, 8, 1.5, None])
 def test_an_action_that_there_is_not_is_refused(action):
     env = WorldEnv("yard")
     env.reset()

@@ -97,7 +97,8 @@ def test_the_intrinsic_value_is_the_empowerment():
     config = Config(intrinsic="object", horizon=3, beta=0.07)
     np.testing.assert_array_equal(value_table(mdp, config), empowerment(mdp, 3, "object"))
     for other in ("none", "count", "rnd"):
-        changed = config.changed(intrinsic=other, beta=0.0 if other == "none" else 0.1)
+        horizon, beta = (0, 0.0) if other == "none" else (3, 0.1)
+        changed = config.changed(intrinsic=other, horizon=horizon, beta=beta)
         assert not value_table(mdp, changed).any()
 
 
@@ -125,6 +126,7 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
     [
         ("runs", 0, "runs is 0; give at least 1"),
         ("horizon", -1, "horizon is -1; give at least 0"),
+        ("horizon", 3, "horizon is 3 and intrinsic 'none', which has none"),
         ("learning_rate", 0.0, "give a number above 0"),
         ("learning_rate", float("nan"), "give a finite number"),
         ("discount", 1.5, "from 0 to 1"),

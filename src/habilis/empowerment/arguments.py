@@ -11,11 +11,15 @@ from habilis.probabilities import as_array
 
 Unit = Literal["bits", "nats"]
 
+_LARGEST = 2**31 - 1
+
 
 def whole_number(name: str, value: int) -> int:
     """`value` if it is an integer from 0 up, else a ValueError that names it."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
         raise ValueError(f"{name} is {value!r}; give a whole number from 0 up")
+    if value > _LARGEST:
+        raise ValueError(f"{name} is {value}; give at most {_LARGEST:,}")
     return int(value)
 
 

@@ -158,10 +158,14 @@ def landscape(
         raise ValueError(f"{world.name} has no tool here; leave out tool, or use with_tool")
     if mdp is not None and slip:
         raise ValueError("slip is given beside a table; give it to `tabulate`")
-    if mdp is not None and mdp.shape != (world.height, world.width):
+    if mdp is not None and (
+        mdp.shape != (world.height, world.width)
+        or ("tool" in mdp.factors) != (world.tool_rule is not None)
+    ):
         raise ValueError(f"{world.name}: the table is of another map; give what `tabulate` made")
     mdp = tabulate(world, slip) if mdp is None else mdp
-    tool, object = tool or world.tool_cell, object or world.object
+    tool = world.tool_cell if tool is None else tool
+    object = world.object if object is None else object
     states = _states(mdp, tool, object)
     cells = mdp.factor("agent")[states]
     values = np.full(world.height * world.width, np.nan)

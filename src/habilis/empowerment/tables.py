@@ -1,5 +1,6 @@
 """Values of states as tables, in memory and as files."""
 
+import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -83,8 +84,14 @@ def save_table(table: pl.DataFrame, path: str | Path) -> None:
 
 
 def _npz(table: pl.DataFrame, path: Path) -> None:
-    with path.open("wb") as file:
-        np.savez(file, allow_pickle=False, **{c.name: c.to_numpy() for c in table})
+    content = io.BytesIO()  # first, so that what cannot be said so costs no file that is there
+    try:
+        np.savez(content, allow_pickle=False, **{c.name: c.to_numpy() for c in table})
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"{path}: .npz cannot have these columns ({error}); use .parquet"
+        ) from None
+    path.write_bytes(content.getbuffer())
 
 
 def _npy(table: pl.DataFrame, path: Path) -> None:

@@ -91,7 +91,6 @@ class FunctionalEnv:
             ValueError: no such world, tool or observation, the table is stochastic, or a number
                 is out of its range.
         """
-        check_episode(max_steps, slip)
         if isinstance(world, TabularMDP):
             if tool is not None:
                 raise ValueError(f"tool is {tool!r}, but a table has its own moves; give a world")
@@ -100,6 +99,7 @@ class FunctionalEnv:
             place = as_world(world)
             place = place if tool is None else place.with_tool(tool)
             mdp, self._name = tabulate(place), place.name
+        check_episode(mdp, max_steps, slip)
         shown = _shown(observation, mdp, place)
         self._mdp, self._slip, self._shown = mdp, slip, shown
         self._params = Params(

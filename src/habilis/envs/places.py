@@ -9,6 +9,7 @@ from jaxtyping import Float64
 
 from habilis.cache import fingerprint
 from habilis.envs.table import TableEnv
+from habilis.gymnasium_tables import check_actions
 from habilis.gymnasium_tables.enumeration import action_count, marker
 from habilis.gymnasium_tables.identity import digest
 from habilis.gymnasium_tables.keeping import kept_states
@@ -51,6 +52,7 @@ def places_of(env: Any, measure: Measure, max_states: int) -> Places:
         ValueError: it has no table that can be had.
     """
     inner = env.unwrapped
+    check_actions(env)
     if isinstance(inner, TableEnv):
         return _OwnPlaces(measure(inner.dynamics))
     if getattr(inner, "P", None) is not None:

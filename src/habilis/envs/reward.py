@@ -169,7 +169,9 @@ class VectorEmpowermentReward(VectorWrapper):
         options: dict[str, Any] | None = None,
     ) -> tuple[Any, dict[str, Any]]:
         mask = (options or {}).get("reset_mask")
-        observations, info = self.env.reset(seed=seed, options=options)  # pyright: ignore[reportArgumentType]
+        # A copy: wrappers take the mask out of what they are given, and others need it still.
+        given: Any = seed
+        observations, info = self.env.reset(seed=given, options=options and dict(options))
         self._ended = self._ended & (False if mask is None else ~mask)
         self._before = self._states.now()
         return observations, info | self._told({EMPOWERMENT: self._states.values[self._before]})

@@ -1,6 +1,7 @@
 """A table as a Gymnasium environment."""
 
 from collections.abc import Mapping
+from operator import index
 from typing import Any
 
 import gymnasium
@@ -55,7 +56,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         Raises:
             ValueError: the table is stochastic, or a number is out of its range.
         """
-        check_episode(max_steps, slip)
+        check_episode(mdp, max_steps, slip)
         shown = ranks(mdp) if observation is None else observation
         self.mdp, self._columns = mdp, dict(columns or {})
         self._look_up()
@@ -94,7 +95,10 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         return self._show(self.state), self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        chosen = int(action)
+        try:
+            chosen = index(action)
+        except TypeError:
+            chosen = -1  # no whole number
         if not 0 <= chosen < self._actions:
             raise ValueError(f"action is {action!r}; use 0 to {self._actions - 1}")
         if self.slip and self.np_random.random() < self.slip:
@@ -114,8 +118,10 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         return info
 
 
-def check_episode(max_steps: int, slip: float) -> None:
-    """Raises ValueError: a number is out of its range."""
+def check_episode(mdp: TabularMDP, max_steps: int, slip: float) -> None:
+    """Raises ValueError: the table is stochastic, or a number is out of its range."""
+    if mdp.is_stochastic:
+        raise ValueError("the table is stochastic; give a deterministic one, and slip= for chance")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:
         raise ValueError(f"max_steps is {max_steps!r}; give a whole number of at least 1")
     if isinstance(slip, bool) or not isinstance(slip, int | float) or not 0 <= slip <= 1:

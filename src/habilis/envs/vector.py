@@ -60,7 +60,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             ValueError: the table is stochastic, a number is out of its range, or there is no
                 such mode.
         """
-        check_episode(max_steps, slip)
+        check_episode(mdp, max_steps, slip)
         if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
             raise ValueError(f"num_envs is {num_envs!r}; give a whole number of at least 1")
         shown = ranks(mdp) if observation is None else observation

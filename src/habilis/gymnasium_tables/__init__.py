@@ -29,6 +29,7 @@ def table_of(
     inner = getattr(env, "unwrapped", None)
     if not hasattr(inner, "action_space"):
         raise ValueError(f"{env!r} is no Gymnasium environment; give what gymnasium.make returns")
+    check_actions(env)
     own = getattr(inner, "dynamics", None)
     if isinstance(own, TabularMDP):
         return own  # of our environments
@@ -40,6 +41,29 @@ def table_of(
             )
         return table_of_dict(inner)
     return enumerate_states(env, max_states, seed, key, factors, show_progress).mdp
+
+
+def check_actions(env: Any) -> None:
+    """Refuses wrappers that make other actions of the ones they get: the table is of those inside.
+
+    Raises:
+        ValueError: there is one, or the actions outside are others than those inside.
+    """
+    import gymnasium
+
+    layer = env
+    while isinstance(layer, gymnasium.Wrapper):
+        if isinstance(layer, gymnasium.ActionWrapper):
+            raise ValueError(
+                f"{type(layer).__name__} changes the actions, which no table knows; give the "
+                "environment inside of it, and put such wrappers around the rest"
+            )
+        layer = layer.env
+    if env.action_space != layer.action_space:
+        raise ValueError(
+            f"the actions are {env.action_space} outside and {layer.action_space} inside; give the "
+            "environment inside of the wrapper that changes them"
+        )
 
 
 def table_named(

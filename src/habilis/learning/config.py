@@ -79,6 +79,11 @@ class Config:
                 "and its weight, or neither"
             )
 
+        if self.horizon and not self.regularised:
+            raise ValueError(
+                f"horizon is {self.horizon} and intrinsic {self.intrinsic!r}, which has none; give "
+                "the sensor of an empowerment as intrinsic, or leave out the horizon"
+            )
         if self.regularised and self.intrinsic not in NOVELTIES and self.horizon < 1:
             raise ValueError(
                 f"intrinsic is {self.intrinsic!r} and horizon 0, which is worth nothing; give a "

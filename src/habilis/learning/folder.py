@@ -50,7 +50,10 @@ def check_unused(folder: str | Path, but: Collection[str] = ()) -> None:
     check_writable(folder)
     allowed = {*but, *(checkpoints.partial(name) for name in but)}
     if folder.exists() and any(path.name not in allowed for path in folder.iterdir()):
-        raise ValueError(f"{folder}: exists already; name a new folder, or remove it")
+        raise ValueError(
+            f"{folder}: exists already; name a new folder, or remove it "
+            "(train and sweep go on in theirs with --resume)"
+        )
 
 
 def check_writable(folder: Path) -> None:
@@ -273,7 +276,7 @@ def _read(path: Path, read: Callable[[Path], Value]) -> Value:
     try:
         return read(path)
     except FileNotFoundError as error:
-        raise ValueError(f"{path}: is missing; name the folder of a finished run") from error
+        raise ValueError(f"{path}: is missing; name the folder of a run") from error
     except OwnToolError as error:
         raise ValueError(f"{path}: {error}") from None
     except (*_DAMAGE, pl.exceptions.PolarsError) as error:
@@ -311,7 +314,7 @@ def _episodes(path: Path) -> pl.DataFrame:
 
 
 def _parameters(path: Path, config: Config, world: World) -> Any:
-    model = Job.of(0, replace(config, intrinsic=NO_INTRINSIC, beta=0.0), world).start(0)
+    model = Job.of(0, replace(config, intrinsic=NO_INTRINSIC, horizon=0, beta=0.0), world).start(0)
     like, structure = jax.tree_util.tree_flatten_with_path(model.learner.parameters)
     with path.open("rb") as file, np.load(file) as saved:
         leaves = [saved[f"parameters{jax.tree_util.keystr(name)}"] for name, _ in like]

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from habilis.cache import fingerprint
 from habilis.learning import intrinsic
-from habilis.learning.config import NO_INTRINSIC, Config
+from habilis.learning.config import NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
@@ -76,6 +76,11 @@ class Job:
         """
         world = load_world(config.world, config.tool) if world is None else world
         mdp, best_return, ledger = _tabulated(world)
+        known = (NO_INTRINSIC, *NOVELTIES, "state", *mdp.factors)
+        if config.intrinsic not in known:
+            raise ValueError(
+                f"intrinsic {config.intrinsic!r} is unknown; use one of {', '.join(known)}"
+            )
         numbers = tuple(range(config.runs) if numbers is None else numbers)
         records = [Record(config, best_return, ledger) for _ in numbers]
         table = _values(world, config.intrinsic, config.horizon)

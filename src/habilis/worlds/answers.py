@@ -1,8 +1,8 @@
 """What a tool answers, looked over before it is believed.
 
-Whoever wrote the tool, it is asked only about placements with the tool in hand, cannot change the
-arrays it is shown, and an answer that the map has no place for is an error with a name: it never
-becomes a cell somewhere else.
+Whoever wrote the tool, it is asked only about placements with the tool in hand, is shown arrays
+that it cannot write to by mistake, and an answer that the map has no place for is an error with
+a name: it never becomes a cell somewhere else.
 """
 
 from typing import TYPE_CHECKING, Any, Literal
