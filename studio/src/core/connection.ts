@@ -17,8 +17,8 @@ export interface Connection {
     body: object,
     on: (answer: Answer) => void,
   ): Asked;
-  /** Sends what nobody waits for an answer to. */
-  tell(what: string, body: object): void;
+  /** Sends something about an earlier request, whose asker gets the answers. */
+  tell(asked: Asked, what: string): void;
 }
 
 const FIRST_WAIT = 400;
@@ -73,6 +73,6 @@ export function connect(
       send(id, what, body);
       return { id, forget: () => listeners.delete(id) };
     },
-    tell: (what, body) => send(++last, what, body),
+    tell: (asked, what) => send(asked.id, what, {}),
   };
 }

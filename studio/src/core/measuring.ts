@@ -11,7 +11,9 @@ export interface Measured {
   landscape: Grid | null;
   least: number;
   most: number;
-  averages: Record<string, number>;
+  averages: Record<string, number | null>;
+  /** Why there is no average, where there is none. */
+  why: string | null;
   verdicts: Record<string, Verdict>;
   /** The tools whose averages are of this scene; the others' are of the one before. */
   compared: readonly string[];
@@ -34,6 +36,7 @@ const NOTHING: Measured = {
   least: 0,
   most: 0,
   averages: {},
+  why: null,
   verdicts: {},
   compared: [],
   pending: true,
@@ -54,31 +57,32 @@ export function createMeasuring(connection: Connection, store: Store): Measuring
 
   function ask(): void {
     due = false;
-    asked?.forget();
     const scene = store.scene();
-    tell({ pending: true, progress: null, compared: [] });
     asked = connection.ask<MeasureAnswer>("measure", { scene: message(scene) }, (answer) => {
       if (answer.error !== undefined) {
         tell({ ...NOTHING, error: answer.error, pending: false, scene });
       } else if (answer.progress !== undefined) tell({ progress: answer.progress });
       if (answer.landscape) {
-        const { landscape, least = 0, most = 0 } = answer;
-        tell({ scene, landscape, least, most, pending: false, progress: null, error: null });
+        const [least, most] = [answer.least ?? 0, answer.most ?? 0];
+        tell({ scene, landscape: answer.landscape, least, most, pending: false, progress: null, error: null });
       }
       if (answer.averages) {
         tell({
           averages: { ...measured.averages, ...answer.averages },
           verdicts: { ...measured.verdicts, ...answer.verdicts },
+          why: answer.why ?? measured.why,
           compared: [...measured.compared, ...Object.keys(answer.averages)],
         });
       }
     });
   }
 
-  /** At most once a picture: dragging the mouse makes more events than can be seen. */
+  /** What is shown is out of date now. Asks at most once a picture: dragging the mouse makes more events than can be seen. */
   function soon(): void {
+    tell({ pending: true, progress: null, compared: [], why: null });
     if (due) return;
     due = true;
+    asked?.forget();
     requestAnimationFrame(ask);
   }
 

@@ -70,10 +70,12 @@ export interface Verdict {
 
 export interface MeasureAnswer extends Common {
   landscape?: Grid;
-  least?: number;
-  most?: number;
+  least?: number | null;
+  most?: number | null;
   seconds?: number;
-  averages?: Record<string, number>;
+  /** Null where it takes too long; then `why` says so. */
+  averages?: Record<string, number | null>;
+  why?: string;
   verdicts?: Record<string, Verdict>;
 }
 

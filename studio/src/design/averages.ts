@@ -22,18 +22,19 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
   const verdict = h("p", { class: "verdict", id: "verdict", "aria-live": "polite" });
   const waiting = h("p", { class: "quiet" }, "Bits at the can, over all its places.");
 
-  function show({ averages, verdicts, compared, error }: Measured): void {
+  function show({ averages, verdicts, compared, error, why }: Measured): void {
     const { tool } = store.scene();
-    const most = Math.max(...Object.values(averages), 1e-9);
+    const most = Math.max(...Object.values(averages).map((bits) => bits ?? 0), 1e-9);
     for (const [name, { row, bar, bits }] of rows) {
       const value = averages[name];
-      bits.textContent = value === undefined ? "–" : value.toFixed(2);
-      bar.style.setProperty("--share", String(value === undefined ? 0 : Math.max(value / most, 0)));
+      bits.textContent = value === undefined || value === null ? "–" : value.toFixed(2);
+      bar.style.setProperty("--share", String(Math.max((value ?? 0) / most, 0)));
       row.classList.toggle("chosen", name === tool);
       row.dataset.fresh = String(compared.includes(name));
     }
-    verdict.replaceChildren(...(error ? [] : sentence(tool, averages, verdicts[tool])));
-    verdict.dataset.kind = kindOf(verdicts[tool]);
+    const said = error ? [] : why !== null ? [why] : sentence(tool, averages, verdicts[tool]);
+    verdict.replaceChildren(...said);
+    verdict.dataset.kind = kindOf(why === null ? verdicts[tool] : undefined);
   }
 
   measuring.watch(show);
@@ -56,13 +57,13 @@ function kindOf(verdict: Verdict | undefined): string {
 
 function sentence(
   tool: string,
-  averages: Record<string, number>,
+  averages: Record<string, number | null>,
   verdict: Verdict | undefined,
 ): (Node | string)[] {
   const name = nameOfTool(tool).toLowerCase();
   const [own, bare] = [averages[tool], averages["none"]];
   if (tool === "none") return ["Choose a tool to see whether it would help."];
-  if (!verdict || own === undefined || bare === undefined) return [];
+  if (!verdict || own == null || bare == null) return [];
   if (!verdict.useful) {
     return [h("strong", {}, `The ${name} is useless here`), ": with it, nothing can be done to the can."];
   }

@@ -58,12 +58,12 @@ export function createBoard(name: string, id: string, moving = false): Board {
     picture.append(group);
     return group;
   };
-  const [floor, heat, walls, chosen, labels, arrows, goal, marks, things, cursors, cells] = [
-    "floor", "heat", "walls", "chosen", "labels", "arrows", "goal", "marks", "things", "cursor",
-    "cells",
-  ].map(layer) as [SVGGElement, ...SVGGElement[]] & { length: 11 };
+  const [floor, heat, walls] = [layer("floor"), layer("heat"), layer("walls")];
+  const [labels, arrows, things] = [layer("labels"), layer("arrows"), layer("things")];
+  const [goal, chosen, marks] = [layer("goal"), layer("chosen"), layer("marks")];
+  const [cursors, cells] = [layer("cursor"), layer("cells")];
   const ring = svg("rect", { width: UNIT, height: UNIT, rx: 12, class: "ring" });
-  cursors!.append(ring);
+  cursors.append(ring);
   const element = h("div", { class: "board-box" }, picture);
   const standing = new Map<string, SVGGElement>();
   let shown: Picture | null = null;
@@ -77,33 +77,33 @@ export function createBoard(name: string, id: string, moving = false): Board {
       set(picture, "viewBox", `0 0 ${width * UNIT} ${height * UNIT}`);
       element.style.setProperty("--ratio", String(width / height));
       element.style.setProperty("--rows", String(height));
-      floor!.innerHTML = everyCell(next, (cell) => box("floor", cell));
+      floor.innerHTML = everyCell(next, (cell) => box("floor", cell));
       const most: Cell = [Math.min(at[0], height - 1), Math.min(at[1], width - 1)];
       at = most;
     }
     shown = next;
     const wall = ([row, column]: Cell) => next.walls[row * width + column] ?? false;
-    redraw(walls!, everyCell(next, (cell) => (wall(cell) ? use("wall", ...corner(cell), UNIT) : "")));
+    redraw(walls, everyCell(next, (cell) => (wall(cell) ? use("wall", ...corner(cell), UNIT) : "")));
     drawValues(next);
-    redraw(chosen!, (next.chosen ?? []).map((cell) => box("chosen", cell, 8)).join(""));
-    redraw(marks!, (next.marks ?? []).map(markOf).join(""));
-    redraw(arrows!, next.arrows ? everyCell(next, (cell) => arrowOf(next, cell)) : "");
+    redraw(chosen, (next.chosen ?? []).map((cell) => box("chosen", cell, 8)).join(""));
+    redraw(marks, (next.marks ?? []).map((mark) => markOf(mark, isThing(next, mark.cell))).join(""));
+    redraw(arrows, next.arrows ? everyCell(next, (cell) => arrowOf(next, cell)) : "");
     picture.classList.toggle("marked", (next.marks?.length ?? 0) > 0);
     drawThings(next);
-    redraw(cells!, everyCell(next, (cell) => nameOf(next, cell), '<g role="row">', "</g>"));
+    redraw(cells, everyCell(next, (cell) => nameOf(next, cell), '<g role="row">', "</g>"));
     moveCursor(at);
   }
 
   function drawValues(next: Picture): void {
     const values = next.values;
     if (!values) {
-      redraw(heat!, "");
-      redraw(labels!, "");
+      redraw(heat, "");
+      redraw(labels, "");
       return;
     }
     const value = ([row, column]: Cell) => values.grid[row]?.[column] ?? null;
     redraw(
-      heat!,
+      heat,
       everyCell(next, (cell) => {
         const bits = value(cell);
         return bits === null
@@ -113,14 +113,14 @@ export function createBoard(name: string, id: string, moving = false): Board {
     );
     const small = picture.clientWidth / next.width < READABLE;
     redraw(
-      labels!,
+      labels,
       everyCell(next, (cell) => {
         const bits = value(cell);
         if (bits === null || small) return "";
         const [x, y] = corner(cell);
-        const below = isThing(next, cell) ? 84 : 51;
-        const ink = inkOn(bits, values.scale);
-        return `<text x="${x + 50}" y="${y + below}" fill="${ink}">${bits.toFixed(1)}</text>`;
+        const [kind, below] = isThing(next, cell) ? ["small", 80] : ["", 51];
+        const look = `class="${kind}" fill="${inkOn(bits, values.scale)}"`;
+        return `<text x="${x + 50}" y="${y + below}" ${look}>${bits.toFixed(1)}</text>`;
       }),
     );
   }
@@ -141,9 +141,9 @@ export function createBoard(name: string, id: string, moving = false): Board {
         group = svg("g", { class: `thing ${name}` });
         standing.set(name, group);
       }
-      things!.append(group);
+      things.append(group);
       const [x, y] = corner(cell);
-      const [left, top, wide] = !next.values ? [4, 4, 92] : valued(cell) ? [20, 5, 60] : [10, 10, 80];
+      const [left, top, wide] = !next.values ? [4, 4, 92] : valued(cell) ? [21, 4, 58] : [10, 10, 80];
       group.style.transform = `translate(${x}px, ${y}px)`;
       const plate = use("plate", left, top, wide);
       const around = `rotate(${turn} ${left + wide / 2} ${top + wide / 2})`;
@@ -155,8 +155,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
     stand("agent", agent, "agent");
     stand("goal", over ? null : next.goal, inBin ? "full bin" : "bin");
     const corners = over && next.goal ? corner(next.goal) : null;
-    redraw(goal!, corners ? use("bin", corners[0] + 56, corners[1] + 54, 44) : "");
-    if (corners) picture.append(goal!, cursors!, cells!);
+    redraw(goal, corners ? use("bin", corners[0] + 56, corners[1] + 54, 44) : "");
   }
 
   function moveCursor(cell: Cell): void {
@@ -234,7 +233,9 @@ function isThing({ things, goal }: Picture, cell: Cell): boolean {
   return cells.some((other) => other && same(other, cell));
 }
 
-function markOf({ cell, weight }: Mark): string {
+/** A dot, the larger the likelier; a frame where a dot would hide a thing. */
+function markOf({ cell, weight }: Mark, occupied: boolean): string {
+  if (occupied) return `<rect class="mark frame" ${square(cell, 4)} rx="14"/>`;
   const [x, y] = corner(cell);
   const radius = 14 + 20 * Math.sqrt(weight);
   return `<circle class="mark" cx="${x + 50}" cy="${y + 50}" r="${radius.toFixed(1)}"/>`;

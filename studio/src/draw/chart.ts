@@ -54,13 +54,16 @@ export function createChart(name: string, id: string): Chart {
 
 function markup(data: ChartData, width: number, height: number): string {
   const lines = data.lines.filter((line) => line.x.length > 0);
+  if (!lines.length) {
+    const at = `x="${width / 2}" y="${height / 2}"`;
+    return `<text class="empty" ${at} text-anchor="middle">${escaped(data.empty)}</text>`;
+  }
   const warp = data.squeezed ? squeeze : (y: number) => y;
   const xs = lines.flatMap((line) => [line.x[0]!, line.x.at(-1)!]);
   const ys = lines.flatMap((line) => [...line.y, ...(line.low ?? []), ...(line.high ?? [])]);
-  if (data.level && lines.length) ys.push(data.level.y);
+  if (data.level) ys.push(data.level.y);
   const [x0, x1] = [Math.min(...xs, 0), Math.max(...xs, data.xMost ?? 1)];
   let [y0, y1] = [data.yLeast ?? Math.min(...ys), data.yMost ?? Math.max(...ys)];
-  if (!lines.length) [y0, y1] = [data.yLeast ?? 0, data.yMost ?? 1];
   if (y1 - y0 < 1e-9) [y0, y1] = [y0 - 0.5, y1 + 0.5];
   const [low, high] = [warp(y0), warp(y1)];
   const px = (x: number) => LEFT + ((x - x0) / (x1 - x0)) * (width - LEFT - RIGHT);
@@ -81,10 +84,6 @@ function markup(data: ChartData, width: number, height: number): string {
     `<text class="axis" x="${(LEFT + width - RIGHT) / 2}" y="${height - 4}" text-anchor="middle">${escaped(data.xLabel)}</text>`,
     `<text class="axis" transform="translate(13 ${(TOP + height - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">${escaped(data.yLabel)}</text>`,
   );
-  if (!lines.length) {
-    const at = `x="${(LEFT + width) / 2}" y="${height / 2}"`;
-    return `${parts.join("")}<text class="empty" ${at} text-anchor="middle">${escaped(data.empty)}</text>`;
-  }
   if (data.level) {
     const y = py(data.level.y);
     parts.push(

@@ -41,7 +41,7 @@ export function openHelp({ limits, version }: Hello): void {
     h(
       "p",
       { class: "quiet" },
-      `Maps of ${limits.side[0]} to ${limits.side[1]} cells a side, up to ${limits.horizon} steps ahead, slip up to ${Math.round(100 * limits.slip)} %. Habilis ${version}; nothing leaves this computer.`,
+      `Maps of ${limits.side[0]} to ${limits.side[1]} cells a side, up to ${limits.horizon} steps ahead, slip up to ${Math.round(100 * limits.slip)} %. Habilis ${version}; this page asks nobody but your own studio.`,
     ),
   );
 }

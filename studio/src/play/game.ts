@@ -146,7 +146,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     timer = window.setTimeout(follow, PACE);
   }
 
-  store.watch(reset);
+  store.watch((_, before) => before && reset());
   return {
     game: () => game,
     act(action) {

@@ -79,7 +79,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     running,
     begin,
     stop() {
-      if (asked && running()) connection.tell("stop", { of: asked.id });
+      if (asked && running()) connection.tell(asked, "stop");
     },
     toggle(training) {
       if (training.line === null) draw(training);
