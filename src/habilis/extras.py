@@ -8,6 +8,7 @@ _OF_EXTRA = {
     "gymnasium": ("gymnasium", "pygame"),
     "video": ("imageio_ffmpeg", "moviepy"),
     "sweep": ("optuna", "ray"),
+    "studio": ("starlette", "uvicorn", "websockets"),
 }
 
 
