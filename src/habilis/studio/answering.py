@@ -1,5 +1,6 @@
 """How each request is answered, in steps."""
 
+import asyncio
 import time
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
@@ -29,10 +30,13 @@ class Pools:
         quick: for what takes milliseconds: a landscape, the futures of a cell, a step of play.
         slow: for what may take longer: averages over all placements, plans, and all where chance
             has a part.
+        learning: for what was learned. It is started when it is first needed, and none without the
+            extra `habilis[learn]`.
     """
 
     quick: Pool
     slow: Pool
+    learning: Pool
 
     @classmethod
     def made(cls) -> "Pools":
@@ -41,7 +45,14 @@ class Pools:
         return cls(
             Pool(steps, at_once, _QUICK_PATIENCE),
             Pool(steps, at_once, _SLOW_PATIENCE, background=True),
+            Pool("habilis.studio.trained", 1, _SLOW_PATIENCE, background=True),
         )
+
+    async def start(self) -> None:
+        await asyncio.gather(self.quick.start(), self.slow.start())
+
+    async def close(self) -> None:
+        await asyncio.gather(*(pool.close() for pool in (self.quick, self.slow, self.learning)))
 
     def for_one(self, scene: Scene) -> Pool:
         """For the value of one state of a scene."""

@@ -5,8 +5,10 @@ import json
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any
 
+from habilis.extras import MissingExtraError
 from habilis.studio.messages import one_line
 from habilis.studio.pool import Pool
+from habilis.studio.training import Training
 
 Send = Callable[[str], Awaitable[None]]
 
@@ -23,6 +25,7 @@ class Client:
     def __init__(self, send: Send):
         self._send = send
         self._turns: dict[Pool, asyncio.Lock] = {}
+        self.trainings: dict[int, Training] = {}
         self._working: dict[str, tuple[int, asyncio.Task[None]]] = {}
 
     async def tell(self, number: int | None, **answer: Any) -> None:
@@ -46,6 +49,13 @@ class Client:
         number, task = self._working.get(kind, (None, None))
         return None if task is None or task.done() else number
 
+    async def stop(self, number: int) -> None:
+        """Stops a training; what there is of it is kept."""
+        if number not in self.trainings:
+            await self.tell(number, error=f"no training has the id {number}; it may have ended")
+        else:
+            self.trainings[number].stop()
+
     async def leave(self) -> None:
         """Drops all that is being worked on."""
         tasks = [task for _, task in self._working.values()]
@@ -56,5 +66,5 @@ class Client:
     async def _answered(self, number: int, work: Coroutine[Any, Any, None]) -> None:
         try:
             await work
-        except ValueError as error:
+        except (ValueError, MissingExtraError) as error:
             await self.tell(number, error=one_line(error))

@@ -2,7 +2,7 @@
 
 import asyncio
 import socket
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,12 +18,14 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 import habilis
-from habilis.studio import answering
+from habilis.extras import import_from
+from habilis.studio import answering, learning
 from habilis.studio.answering import Pools
 from habilis.studio.clients import Client
 from habilis.studio.limits import CLIENTS, HORIZON, MESSAGE, SIDES, SLIP, TRAINING
 from habilis.studio.messages import MessageError, Request, read
 from habilis.studio.security import Access, Guard
+from habilis.studio.training import Trainings
 from habilis.worlds.own_tools import tool_named
 from habilis.worlds.rules import ACTIONS
 from habilis.worlds.shapes import SHAPES
@@ -43,13 +45,18 @@ class Studio:
     Attributes:
         access: who may use it.
         pools: its processes.
+        trainings: those that pages have asked for.
         tools: names of the tools of somebody's own.
+        run: the folder of a trained run to show, and `shown`, what pages are told of it.
         clients: those that are connected.
     """
 
     access: Access
     pools: Pools
+    trainings: Trainings
     tools: tuple[str, ...] = ()
+    run: Path | None = None
+    shown: Mapping[str, Any] | None = None
     clients: set[Client] = field(default_factory=set)
 
     @cached_property
@@ -81,15 +88,26 @@ class Studio:
                 name: [[shape.path, shape.fill] for shape in drawing]
                 for name, drawing in shapes.items()
             },
-            "run": None,
+            "run": self.shown,
         }
 
     async def answer(self, client: Client, request: Request) -> None:
         """Begins to answer a request."""
+        pools, trainings = self.pools, self.trainings
+        if request.do == "stop":
+            await client.stop(request.id)
+            return
+        if request.do == "train" and client.trainings:
+            await client.tell(request.id, error="a training is under way; stop it first")
+            return
         if request.do == "measure":
-            work = answering.measure(self.pools, self.all_tools, client, request)
+            work = answering.measure(pools, self.all_tools, client, request)
+        elif request.do == "train":
+            work = learning.train(pools, trainings, client, request)
+        elif request.do == "run":
+            work = learning.run(pools, trainings, self.run, client, request)
         else:
-            work = answering.ONE_STEP[request.do](self.pools, client, request)
+            work = answering.ONE_STEP[request.do](pools, client, request)
         await client.ask(request.do, request.id, work)
 
 
@@ -98,9 +116,9 @@ def application(studio: Studio) -> Guard:
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        await asyncio.gather(studio.pools.quick.start(), studio.pools.slow.start())
+        await studio.pools.start()
         yield
-        await asyncio.gather(studio.pools.quick.close(), studio.pools.slow.close())
+        await studio.pools.close()
 
     async def connected(socket: WebSocket) -> None:
         await _connected(studio, socket)
@@ -147,12 +165,13 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
 
 
 def opened(
-    host: str, port: int, tools: tuple[str, ...] = (), run: Path | None = None
+    host: str, port: int, folder: Path, tools: tuple[str, ...] = (), run: Path | None = None
 ) -> tuple[Studio, socket.socket]:
     """A studio on an address, ready to be served.
 
     Args:
         host, port: where to listen; port 0 is any that is free.
+        folder: where trainings are kept.
         tools: names of tools of somebody's own.
         run: the folder of a trained run to show.
 
@@ -169,9 +188,10 @@ def opened(
                 f"{character!r}; give one of them another"
             )
         of_characters[character] = name
+    shown = None if run is None else import_from("habilis.studio.trained", "learn").described(run)
     found = listening(host, port)
     access = Access.of(host, found.getsockname()[1])
-    return Studio(access, Pools.made(), tools), found
+    return Studio(access, Pools.made(), Trainings(folder), tools, run, shown), found
 
 
 def listening(host: str, port: int) -> socket.socket:
