@@ -69,7 +69,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 		{ echo "Habilis needs Python 3.11 or newer; call make PYTHON=python3.12, say"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,video,docs,dev]"
+		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,studio,video,docs,dev]"
 	touch $@
 
 clean:

@@ -3,7 +3,7 @@
     pip install "habilis[gymnasium]" torch
     python cleanrl_ppo.py --env-id habilis/Corridor-v0 --horizon 6 --beta 0.07
 
-It prints how long the last episodes of each update were, and what they were worth.
+It prints how long the last hundred episodes were, and what they were worth, twenty times.
 """
 
 import argparse
@@ -31,11 +31,11 @@ def parse_args() -> argparse.Namespace:
     say("--horizon", type=int, default=6, help="of the empowerment")
     say("--beta", type=float, default=0.07, help="its weight, in reward a bit")
     say("--seed", type=int, default=1, help="of everything that is drawn")
-    say("--total-timesteps", type=int, default=400_000, help="steps of all environments")
-    say("--num-envs", type=int, default=32, help="environments that step at once")
-    say("--num-steps", type=int, default=64, help="steps of each between two updates")
-    say("--learning-rate", type=float, default=1e-3, help="of Adam, falling to 0")
-    say("--gamma", type=float, default=0.99, help="discount")
+    say("--total-timesteps", type=int, default=100_000, help="steps of all environments")
+    say("--num-envs", type=int, default=16, help="environments that step at once")
+    say("--num-steps", type=int, default=32, help="steps of each between two updates")
+    say("--learning-rate", type=float, default=3e-3, help="of Adam, falling to 0")
+    say("--gamma", type=float, default=0.95, help="discount")
     say("--gae-lambda", type=float, default=0.95, help="lambda of the advantages")
     say("--num-minibatches", type=int, default=4, help="of an epoch")
     say("--update-epochs", type=int, default=4, help="of an update")
@@ -54,9 +54,7 @@ def make_envs(args: argparse.Namespace) -> RecordEpisodeStatistics:
         max_steps=args.max_steps,
         **settings,
     )
-    envs = habilis.EmpowermentReward(
-        envs, horizon=args.horizon, sensor=args.sensor, beta=args.beta
-    )
+    envs = habilis.EmpowermentReward(envs, horizon=args.horizon, sensor=args.sensor, beta=args.beta)
     return RecordEpisodeStatistics(envs)
 
 
@@ -153,7 +151,7 @@ if __name__ == "__main__":
                 nn.utils.clip_grad_norm_(agent.parameters(), args.max_grad_norm)
                 optimizer.step()
 
-        if envs.length_queue:
+        if (update + 1) % max(updates // 20, 1) == 0 and envs.length_queue:
             length, worth = np.mean(envs.length_queue), np.mean(envs.return_queue)
             print(
                 f"step={(update + 1) * T * N} episodes={envs.episode_count} "

@@ -3,8 +3,8 @@
     pip install "habilis[gymnasium]"
     python q_learning.py --beta 0.1
 
-What is observed, the cells of agent, tool and can, is the key of a dictionary of values. It prints the
-mean return of the last episodes while it learns, and in the end what the best actions are worth.
+What is observed, the cells of agent, tool and can, is the key of a dictionary of values. It prints
+the mean return of the last episodes while it learns, and in the end that of the best actions.
 """
 
 import argparse

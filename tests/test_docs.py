@@ -103,6 +103,13 @@ def test_a_block_with_a_title_is_a_file(tmp_path):
     assert (tmp_path / "map.txt").read_text() == "A.CG\n"
 
 
+def test_links_of_the_readme_lead_somewhere():
+    links = re.findall(r"\]\(([^)#:]+)\)", (ROOT / "README.md").read_text("utf-8"))
+    assert links
+    for link in links:
+        assert (ROOT / link).exists(), link
+
+
 def mkdocs(*arguments, before=""):
     code = f"import sys\n{before}\nfrom mkdocs.__main__ import cli\ncli(sys.argv[1:])"
     return subprocess.run(

@@ -7,6 +7,7 @@ import pytest
 
 import habilis as hb
 from habilis.gymnasium_tables import keeping
+from habilis.gymnasium_tables.enumeration import enumerate_states
 from habilis.gymnasium_tables.identity import digest
 
 RULE = {"prize": 1.0}
@@ -36,7 +37,6 @@ def counted(tmp_path, monkeypatch):
     """How often states were enumerated, with an empty cache."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     calls = []
-    enumerate_states = keeping.enumerate_states
 
     def enumerated(*arguments):
         calls.append(arguments)

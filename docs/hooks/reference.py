@@ -7,7 +7,7 @@ import ast
 import inspect
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
@@ -21,6 +21,7 @@ import habilis.envs
 
 _SHOWN = re.compile(r"^::: (\S+)$", re.MULTILINE)
 _SECTION = re.compile(r"^(Args|Attributes|Returns|Raises|Yields|Warns|Example):\s*$")
+_SHARED = re.compile(r"^ {4}- `(\w+)`:", re.MULTILINE)  # what all methods of a class take
 _ENTRY = re.compile(r"^ {4}(?P<names>\*{0,2}[\w.]+(?:, \*{0,2}[\w.]+)*):")
 
 
@@ -95,7 +96,8 @@ def _faults_of_class(kind: type) -> Iterator[str]:
             continue
         if not function.__doc__ and any(hasattr(base, name) for base in kind.__mro__[1:]):
             continue  # what it overrides is described where it comes from
-        yield from (f".{name}{fault}" for fault in _faults_of_function(function))
+        known = _SHARED.findall(inspect.cleandoc(text))
+        yield from (f".{name}{fault}" for fault in _faults_of_function(function, known))
 
 
 def _function(member: Any) -> Callable[..., Any] | None:
@@ -106,13 +108,13 @@ def _function(member: Any) -> Callable[..., Any] | None:
     return member if inspect.isfunction(member) else None
 
 
-def _faults_of_function(function: Callable[..., Any]) -> Iterator[str]:
+def _faults_of_function(function: Callable[..., Any], known: Collection[str] = ()) -> Iterator[str]:
     text = inspect.cleandoc(function.__doc__ or "")
     if not text:
         yield " has no docstring"
         return
     signature = inspect.signature(function)
-    taken = [name for name in signature.parameters if name not in ("self", "cls")]
+    taken = [name for name in signature.parameters if name not in ("self", "cls", *known)]
     told = {name.lstrip("*") for name in _entries(text, "Args")}
     for name in taken:
         if name not in told:

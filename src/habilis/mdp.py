@@ -196,7 +196,7 @@ class TabularMDP:
         return table_of(env, max_states, seed, key, factors, show_progress)
 
     def slippery(self, slip: float) -> "TabularMDP":
-        """This MDP when the chosen action may be replaced (rule 7 of the design).
+        """This MDP when the chosen action may be replaced (rule 7 of the worlds).
 
         Args:
             slip: the probability that an action drawn uniformly from all of them, the chosen

@@ -129,15 +129,11 @@ def test_an_episode_that_is_cut_off_is_no_end():
 )
 def test_it_gets_better_than_chance_on_a_small_world(algorithm, settings):
     def make():
-        env = gymnasium.make(
-            "habilis/World-v0", world=SMALL, observation="onehot", max_steps=60
-        )
+        env = gymnasium.make("habilis/World-v0", world=SMALL, observation="onehot", max_steps=60)
         return hb.EmpowermentReward(env, horizon=2, sensor="object", beta=0.1)
 
     def score(policy):
-        plain = gymnasium.make(
-            "habilis/World-v0", world=SMALL, observation="onehot", max_steps=60
-        )
+        plain = gymnasium.make("habilis/World-v0", world=SMALL, observation="onehot", max_steps=60)
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Evaluation environment is not wrapped")
             return evaluate_policy(policy, plain, n_eval_episodes=20, deterministic=False)[0]

@@ -185,5 +185,5 @@ def test_plot_refuses_what_it_cannot_draw(folders, tmp_path, capsys):
     assert "is named twice; name each folder once" in said
     assert "file: is a file; name the folder of a run" in said
     assert main(["plot", folders[0], "--out", str(tmp_path / "curves.bmp")]) == 2
-    assert "unknown picture suffix" in capsys.readouterr().err
+    assert "unknown suffix" in capsys.readouterr().err
     assert main(["plot", folders[0], "--value", "equipped", "--json"]) in (0, 2)

@@ -20,7 +20,7 @@ from habilis.empowerment.futures import futures
 from habilis.empowerment.measures import average_empowerment, compare
 from habilis.empowerment.usefulness import usefulness
 from habilis.worlds import tools
-from habilis.worlds.map_text import BINDS
+from habilis.worlds.characters import BINDS
 from habilis.worlds.own_tools import tool_named
 from habilis.worlds.pictures import colored_text, frame
 from habilis.worlds.shapes import SHAPES, Shape

@@ -59,7 +59,7 @@ def room_of(world: World) -> Room:
 
 
 def moved(room: Room, state: State, action: Int[Array, ""]) -> State:
-    """One action of a world with a picker (rules 1 to 5 of the design)."""
+    """One action of a world with a picker (rules 1 to 5 of the worlds)."""
     step = jnp.array(_NORTH_EAST_SOUTH_WEST)[action % 4]
     agent, tool, can, _ = state
     equipped = jnp.abs(agent - tool).sum() == 1

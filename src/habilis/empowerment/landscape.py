@@ -141,6 +141,9 @@ def landscape(
         ax: Matplotlib axes to draw it on at once (see `Landscape.draw`).
         **options: of `empowerment`, such as unit="nats".
 
+    Returns:
+        The values by cell, with the world and what was asked for.
+
     Raises:
         ValueError: as in `empowerment`; a tool's cell in a world without one, or no state has
             tool and object there.

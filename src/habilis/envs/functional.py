@@ -10,30 +10,34 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int, Int32, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
-from habilis.empowerment.bonus import Bonus, regularised
+from habilis.empowerment.bonus import Bonus
 from habilis.empowerment.keeping import kept_empowerment
 from habilis.empowerment.sensors import Sensor
 from habilis.envs.observations import Labels, Marks, cells, grid, one_hot, ranked
 from habilis.envs.params import Empowerment, Params, State
-from habilis.envs.reward import EMPOWERMENT, EXTRINSIC
 from habilis.envs.spaces import classes
+from habilis.envs.steps import (
+    Alone,
+    Stepped,
+    begin,
+    cut_off,
+    goes_on,
+    observed,
+    step,
+    step_alone,
+)
 from habilis.envs.table import MAX_STEPS, check_episode
 from habilis.envs.world import as_world
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
+from habilis.worlds.tools import Tool
 from habilis.worlds.world import World
 
 KINDS = ("factors", "onehot", "grid")
-
-Info = dict[str, Any]
-Stepped = tuple[
-    Array, State, Float[Array, ""], Bool[Array, ""], Bool[Array, ""], Info
-]  # observation, state, reward, terminated, truncated, info
 
 
 class FunctionalEnv:
@@ -51,6 +55,7 @@ class FunctionalEnv:
     `params` may be left out: they are `default_params` then.
 
     Example:
+        >>> import jax
         >>> env = FunctionalEnv("corridor", observation="grid")
         >>> params = env.default_params
         >>> keys = jax.random.split(jax.random.key(0), 1000)
@@ -65,7 +70,7 @@ class FunctionalEnv:
     def __init__(
         self,
         world: World | TabularMDP | str | Path,
-        tool: str | None = None,
+        tool: str | Tool | type | None = None,
         max_steps: int = MAX_STEPS,
         observation: str = "factors",
         slip: float = 0.0,
@@ -74,7 +79,7 @@ class FunctionalEnv:
         Args:
             world: a world, a built-in one's name, the path of a map, or the text of one; or a
                 deterministic table.
-            tool: takes the place of the map's own; `None` keeps that.
+            tool: takes the place of the map's own, by its name or itself; `None` keeps that.
             max_steps: the length of an episode, at most.
             observation: "factors", int32, the cells of agent, tool and object, each
                 `row * columns + column` (of a table each factor, counted from 0 among the values
@@ -131,6 +136,9 @@ class FunctionalEnv:
             horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`.
             beta, earned, terminal_bonus, extrinsic, discount: as in `EmpowermentReward`.
 
+        Returns:
+            Another environment; this one stays as it is.
+
         Raises:
             ValueError: as in `habilis.empowerment`, or a setting is out of its range.
         """
@@ -145,6 +153,7 @@ class FunctionalEnv:
 
     @property
     def default_params(self) -> Params:
+        """The table and the settings, as this environment was made."""
         return self._params
 
     @property
@@ -154,11 +163,20 @@ class FunctionalEnv:
 
     @property
     def num_actions(self) -> int:
+        """How many actions there are."""
         return self._mdp.action_count
 
     def reset(self, key: PRNGKeyArray, params: Params | None = None) -> tuple[Array, State]:
-        """The first observation and state of an episode."""
-        return _reset(self._params if params is None else params)
+        """Begins an episode.
+
+        Args:
+            key: has no part in it.
+            params: the default ones if left out, as in all that follows.
+
+        Returns:
+            (observation, state).
+        """
+        return begin(self._given(params))
 
     def step(
         self,
@@ -167,67 +185,145 @@ class FunctionalEnv:
         action: Int[Array, ""],
         params: Params | None = None,
     ) -> Stepped:
-        """A step, and where an episode has ended with it, the begin of the next.
+        """A step; where an episode has ended with it, the next one begins.
+
+        Args:
+            key: for slip; without, it has no part in it.
+            state: of this environment.
+            action: int32.
+            params: as in `reset`.
 
         Returns:
             (observation, state, reward, terminated, truncated, info).
         """
-        return _step(key, state, action, self._params if params is None else params)
+        return step(key, state, action, self._given(params))
 
     def reset_env(self, key: PRNGKeyArray, params: Params) -> tuple[Array, State]:
-        """As `reset`."""
-        return _reset(params)
+        """As `reset`.
+
+        Args:
+            key, params: as there.
+
+        Returns:
+            (observation, state).
+        """
+        return begin(params)
 
     def step_env(
         self, key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params
-    ) -> tuple[Array, State, Float[Array, ""], Bool[Array, ""], Info]:
-        """A step alone; no episode is begun.
+    ) -> Alone:
+        """A step; an episode that has ended with it stays where it is.
+
+        Args:
+            key, state, action, params: as in `step`.
 
         Returns:
             (observation, state, reward, terminated, info).
         """
-        return _step_env(key, state, action, params)
+        return step_alone(key, state, action, params)
 
     def observe(self, key: PRNGKeyArray, state: State, action: Any, params: Params) -> Array:
-        """What is shown of a state; key and action have no part in it."""
-        return _observation(state.index, params)
+        """What is shown of a state.
 
-    def get_obs(self, state: State, params: Params | None = None, key: Any = None) -> Array:
-        """What is shown of a state; the key has no part in it."""
-        return _observation(state.index, self._params if params is None else params)
+        Args:
+            state, params: as in `step`.
+            key, action: have no part in it.
+
+        Returns:
+            An observation.
+        """
+        return observed(state.index, params)
+
+    def get_obs(
+        self, state: State, params: Params | None = None, key: PRNGKeyArray | None = None
+    ) -> Array:
+        """What is shown of a state.
+
+        Args:
+            state, params: as in `step`.
+            key: has no part in it.
+
+        Returns:
+            An observation.
+        """
+        return observed(state.index, self._given(params))
 
     def is_terminated(self, state: State, params: Params) -> Bool[Array, ""]:
-        """Whether the entry of this state ends an episode."""
+        """Whether an episode that has come to a state ends there by the world's rules.
+
+        Args:
+            state, params: as in `step`.
+
+        Returns:
+            bool.
+        """
         return params.terminal[state.index]
 
     is_terminal = is_terminated
 
     def is_truncated(self, state: State, params: Params) -> Bool[Array, ""]:
-        """Whether an episode is cut off in this state."""
-        return (state.time >= params.max_steps_in_episode) & ~params.terminal[state.index]
+        """Whether an episode that has come to a state is cut off there.
+
+        Args:
+            state, params: as in `step`.
+
+        Returns:
+            bool; not where it is terminated.
+        """
+        return cut_off(state, params)
 
     def discount(self, state: State, params: Params) -> Float[Array, ""]:
-        """0 where an episode ends by the world's rules, 1 elsewhere."""
-        return _discount(params.terminal[state.index])
+        """How much of what follows on a state counts.
+
+        Args:
+            state, params: as in `step`.
+
+        Returns:
+            float32, 0 where an episode is terminated, else 1.
+        """
+        return goes_on(params.terminal[state.index])
 
     def action_space(self, params: Params | None = None) -> Any:
-        """`Discrete`; gymnax's where that is installed, as all spaces here."""
+        """What actions there are.
+
+        Args:
+            params: have no part in it.
+
+        Returns:
+            A `Discrete`: where gymnax is installed its own, as all spaces here; else of
+            `envs.spaces`, which can `sample(key)` and tell what it `contains(x)` too.
+        """
         return classes().Discrete(self.num_actions)
 
     def observation_space(self, params: Params | None = None) -> Any:
-        """`Box`, of int32 or uint8."""
+        """What may be observed.
+
+        Args:
+            params: have no part in it.
+
+        Returns:
+            A `Box` of int32 or uint8.
+        """
         if isinstance(self._shown, Marks):
             return classes().Box(0, 1, self._shown.still.shape, jnp.uint8)
         high = np.array(self._shown.sizes, np.int32) - 1
         return classes().Box(np.zeros_like(high), high, high.shape, jnp.int32)
 
     def state_space(self, params: Params | None = None) -> Any:
-        """`Dict` of what a `State` has."""
-        limit = (self._params if params is None else params).max_steps_in_episode
+        """What states there may be.
+
+        Args:
+            params: as in `reset`.
+
+        Returns:
+            A `Dict` with a `Discrete` for each attribute of a `State`.
+        """
+        limit = int(self._given(params).max_steps_in_episode)
         discrete = classes().Discrete
-        return classes().Dict(
-            {"index": discrete(self._mdp.states), "time": discrete(int(limit) + 1)}
-        )
+        return classes().Dict({"index": discrete(self._mdp.states), "time": discrete(limit + 1)})
+
+    def _given(self, params: Params | None) -> Params:
+        return self._params if params is None else params
 
 
 def _shown(kind: str, mdp: TabularMDP, world: World | None) -> Labels | Marks:
@@ -242,62 +338,3 @@ def _shown(kind: str, mdp: TabularMDP, world: World | None) -> Labels | Marks:
     if world is None:
         raise ValueError('observation "grid" needs a map; of a table use "factors" or "onehot"')
     return grid(labels, world)
-
-
-@jax.jit
-def _reset(params: Params) -> tuple[Array, State]:
-    state = State(jnp.asarray(params.start, jnp.int32), jnp.int32(0))
-    return _observation(state.index, params), state
-
-
-@jax.jit
-def _step(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params) -> Stepped:
-    last, reached, reward, terminated, info = _step_env(key, state, action, params)
-    truncated = (reached.time >= params.max_steps_in_episode) & ~terminated
-    ended = terminated | truncated
-    after = State(
-        jnp.where(ended, jnp.asarray(params.start, jnp.int32), reached.index),
-        jnp.where(ended, 0, reached.time),
-    )
-    told = {"terminated": terminated, "truncated": truncated, "final_observation": last}
-    seen = _observation(after.index, params)
-    return seen, after, reward, terminated, truncated, info | told
-
-
-@jax.jit
-def _step_env(
-    key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params
-) -> tuple[Array, State, Float[Array, ""], Bool[Array, ""], Info]:
-    actions = params.next_state.shape[-1]
-    if params.slip is not None:
-        slips, draws = jax.random.split(key)
-        drawn = jax.random.randint(draws, (), 0, actions)
-        action = jnp.where(jax.random.uniform(slips) < params.slip, drawn, action)
-    transition = state.index * actions + jnp.asarray(action, jnp.int32)
-    index = params.next_state.reshape(-1)[transition]
-    terminated = params.terminal[index]
-    info = {
-        "state": index,
-        "discount": _discount(terminated),
-        **{name: flag[index] for name, flag in params.flags.items()},
-    }
-    reward = params.reward.reshape(-1)[transition]
-    if params.empowerment is not None:
-        bits, weights = params.empowerment.bits, params.empowerment.weights
-        info |= {EXTRINSIC: reward, EMPOWERMENT: bits[index]}
-        reward = regularised(
-            weights, reward, bits[index], bits[state.index], terminated, jnp.int32(0), jnp
-        )
-    reached = State(index, state.time + 1)
-    return _observation(index, params), reached, reward, terminated, info
-
-
-def _observation(index: Int32[Array, ""], params: Params) -> Array:
-    seen = params.seen[index]
-    if params.background is None:
-        return seen
-    return params.background.reshape(-1).at[seen].set(1).reshape(params.background.shape)
-
-
-def _discount(terminated: Bool[Array, ""]) -> Float[Array, ""]:
-    return jnp.where(terminated, 0.0, 1.0)

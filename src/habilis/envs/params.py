@@ -29,7 +29,14 @@ class State:
     time: Int32[Array, ""]
 
     def replace(self, **changes: Any) -> "State":
-        """The same but for some attributes."""
+        """The same but for some attributes.
+
+        Args:
+            **changes: by the names of attributes, what they are to be.
+
+        Returns:
+            Another one.
+        """
         return replace(self, **changes)
 
 
@@ -82,5 +89,12 @@ class Params:
     empowerment: Empowerment | None = None
 
     def replace(self, **changes: Any) -> "Params":
-        """The same but for some attributes."""
+        """The same but for some attributes.
+
+        Args:
+            **changes: by the names of attributes, what they are to be.
+
+        Returns:
+            Another one.
+        """
         return replace(self, **changes)

@@ -23,6 +23,8 @@ EXTRINSIC, EMPOWERMENT = "extrinsic_reward", "empowerment"
 class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
     """Adds empowerment to the reward: r + beta * M(s'), s' the state that the step leads to.
 
+    (Equation 1 of Rasheed, Polani and Catenacci Volpi 2023, M in bits.)
+
     For one environment, and for a vector environment, of which it makes a `VectorEmpowermentReward`
     with the same arguments: the worlds, Gymnasium's toy-text environments, and whatever
     `TabularMDP.from_gymnasium` can enumerate, small Minigrids among them; of these a new episode

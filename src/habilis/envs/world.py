@@ -17,9 +17,10 @@ from habilis.envs.screen import Screen
 from habilis.envs.table import MAX_STEPS, TableEnv
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
+from habilis.worlds.characters import AGENT, GOAL, OBJECT
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.tools import Tool
-from habilis.worlds.world import AGENT, GOAL, OBJECT, World, load_world
+from habilis.worlds.world import World, load_world
 
 Measures = Mapping[str, Mapping[str, Any]]
 """By name, the arguments of `habilis.empowerment`: {"toe": {"horizon": 6, "sensor": "object"}}."""

@@ -16,6 +16,9 @@ NOVELTIES = (COUNT, DISTILLATION)
 class Config:
     """One row of a table: a world, an intrinsic reward, an algorithm, and how many runs.
 
+    The agent learns from r + beta * M(s'), M in bits, s' the state that a step leads to (equation 1
+    of Rasheed, Polani and Catenacci Volpi 2023), or as `earned` has it.
+
     Every field is described where it stands, and is an option of `habilis train`, as are those of
     the algorithm.
 

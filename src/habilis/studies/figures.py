@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from habilis.empowerment.landscape_picture import draw_landscapes
+from habilis.learning.curves import SMOOTHING
 from habilis.learning.runs import Run
 from habilis.studies.curves import (
-    SMOOTHING,
     Curves,
     attached_share,
     equipped_share,

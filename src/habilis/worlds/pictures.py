@@ -20,9 +20,10 @@ from matplotlib.figure import Figure
 from rich.text import Text
 
 from habilis.files import suffix_of
+from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, WALL
 from habilis.worlds.shapes import SHAPES, Drawing, Side, facing, placed
 from habilis.worlds.tools import Tool, drawing_of
-from habilis.worlds.world import AGENT, FLOOR, GOAL, OBJECT, WALL, Cell, World
+from habilis.worlds.world import Cell, World
 
 _DPI = 96  # a web page's; and (n / 96) * 96 is exactly n in floating point: no pixel is lost
 PICTURES = {  # by suffix: what would tell apart two files of one picture, left out

@@ -77,7 +77,7 @@ class Grid:
 def successor(
     grid: Grid, rule: Tool | None, action: int, agent: Cells, tool: Cells, thing: Cells
 ) -> tuple[Cells, Cells, Cells]:
-    """Where agent, tool and object are after one action (design, section 3, rules 1 to 5).
+    """Where agent, tool and object are after one action: rules 1 to 5 of the worlds.
 
     Args:
         grid: the map.

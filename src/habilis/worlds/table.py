@@ -20,7 +20,7 @@ def tabulate(world: World, slip: float = 0.0, *, max_states: int = MAX_STATES) -
 
     The states are all placements with the tool in hand, and all with the tool lying at its
     cell of the map; without a tool, all placements of agent and object. Reward and end of an
-    episode are rule 6 of the design: 0 for the transition that brings the object into the
+    episode are rule 6 of the worlds: 0 for the transition that brings the object into the
     goal, which ends the episode, and -1 for every other.
 
     Args:
@@ -132,7 +132,16 @@ def _rewards(terminal: np.ndarray, next_state: np.ndarray) -> np.ndarray:
 
 
 def placement(world: World, mdp: TabularMDP, state: int) -> World:
-    """A state as a world: the same map with its things where the state has them."""
+    """A state as a world: the same map with its things where the state has them.
+
+    Args:
+        world: the map.
+        mdp: its table.
+        state: the state's index.
+
+    Returns:
+        Another world.
+    """
 
     def cell(factor: str) -> Cell:
         row, column = divmod(int(mdp.factor(factor)[state]), world.width)

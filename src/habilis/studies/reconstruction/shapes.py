@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable
 
-from habilis.worlds.world import FLOOR, Cell, World
+from habilis.worlds.characters import FLOOR
+from habilis.worlds.world import Cell, World
 
 SIDES: tuple[Cell, ...] = ((-1, 0), (0, 1), (1, 0), (0, -1))
 

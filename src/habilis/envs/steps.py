@@ -1,0 +1,85 @@
+"""What a functional environment does, as functions of arrays."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int, Int32, PRNGKeyArray
+
+from habilis.empowerment.bonus import regularised
+from habilis.envs.params import Params, State
+from habilis.envs.reward import EMPOWERMENT, EXTRINSIC
+
+Info = dict[str, Any]
+
+Stepped = tuple[Array, State, Float[Array, ""], Bool[Array, ""], Bool[Array, ""], Info]
+"""Observation, state, reward, terminated, truncated, info."""
+
+Alone = tuple[Array, State, Float[Array, ""], Bool[Array, ""], Info]
+"""The same of a step after which no episode is begun; whether it is cut off is not said."""
+
+
+@jax.jit
+def begin(params: Params) -> tuple[Array, State]:
+    """The first observation and state of an episode."""
+    state = State(_start(params), jnp.int32(0))
+    return observed(state.index, params), state
+
+
+@jax.jit
+def step(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params) -> Stepped:
+    """A step; where an episode has ended with it, the next one begins."""
+    last, reached, reward, terminated, info = step_alone(key, state, action, params)
+    truncated = cut_off(reached, params)
+    ended = terminated | truncated
+    after = State(
+        jnp.where(ended, _start(params), reached.index), jnp.where(ended, 0, reached.time)
+    )
+    info |= {"terminated": terminated, "truncated": truncated, "final_observation": last}
+    return observed(after.index, params), after, reward, terminated, truncated, info
+
+
+@jax.jit
+def step_alone(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params) -> Alone:
+    """A step; an episode that has ended with it stays where it is."""
+    actions = params.next_state.shape[-1]
+    if params.slip is not None:
+        slips, draws = jax.random.split(key)
+        drawn = jax.random.randint(draws, (), 0, actions)
+        action = jnp.where(jax.random.uniform(slips) < params.slip, drawn, action)
+    transition = state.index * actions + jnp.asarray(action, jnp.int32)
+    index = params.next_state.reshape(-1)[transition]
+    reward = params.reward.reshape(-1)[transition]
+    terminated = params.terminal[index]
+    info = {
+        "state": index,
+        "discount": goes_on(terminated),
+        **{name: flag[index] for name, flag in params.flags.items()},
+    }
+    if params.empowerment is not None:
+        bits, weights = params.empowerment.bits, params.empowerment.weights
+        info |= {EXTRINSIC: reward, EMPOWERMENT: bits[index]}
+        reward = regularised(weights, reward, bits[index], bits[state.index], terminated, 0, jnp)
+    return observed(index, params), State(index, state.time + 1), reward, terminated, info
+
+
+def cut_off(state: State, params: Params) -> Bool[Array, ""]:
+    """Whether an episode is truncated in this state; where it terminates, it is not."""
+    return (state.time >= params.max_steps_in_episode) & ~params.terminal[state.index]
+
+
+def goes_on(terminated: Bool[Array, ""]) -> Float[Array, ""]:
+    """How much of what follows counts: nothing after an end."""
+    return jnp.where(terminated, jnp.float32(0), jnp.float32(1))
+
+
+def observed(index: Int32[Array, ""], params: Params) -> Array:
+    """What is shown of a state."""
+    seen = params.seen[index]
+    if params.background is None:
+        return seen
+    return params.background.reshape(-1).at[seen].set(1).reshape(params.background.shape)
+
+
+def _start(params: Params) -> Int32[Array, ""]:
+    return jnp.asarray(params.start, jnp.int32)

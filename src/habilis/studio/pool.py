@@ -1,0 +1,164 @@
+"""Processes that do steps of work, any of which can be ended at any moment."""
+
+import asyncio
+import contextlib
+import json
+import os
+import pickle
+import sys
+from asyncio.subprocess import PIPE, Process
+from collections import deque
+from collections.abc import Coroutine
+from typing import Any
+
+from habilis.studio.limits import SECONDS
+from habilis.studio.worker import LENGTH
+
+_LONGEST_ANSWER = 64 * 2**20
+_NICE = 10
+TOO_LONG = f"it takes more than {SECONDS:g} s; make the world or the horizon smaller"
+
+
+class StepError(ValueError):
+    """What a step came to instead of an answer; one line."""
+
+
+class Pool:
+    """Worker processes.
+
+    A worker is started when it is first needed and kept. One whose step is cancelled while it runs
+    is given a moment to come to its end, for a new process takes longer to start than most steps
+    take; then it is ended, and another takes its place.
+
+    Attributes:
+        module: whose `STEPS` they do.
+        size: how many at most.
+        patience: seconds that a cancelled step is given.
+        background: whether all else that the machine does goes first.
+    """
+
+    def __init__(self, module: str, size: int, patience: float, background: bool = False):
+        self.module, self.size, self.patience = module, size, patience
+        self.background = background
+        self._idle: deque[Process] = deque()
+        self._all: set[Process] = set()
+        self._places = asyncio.Semaphore(size)
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    async def start(self) -> None:
+        """Starts all of its workers ahead of need."""
+        self._idle.extend(await asyncio.gather(*(self._started() for _ in range(self.size))))
+
+    async def do(self, turn: asyncio.Lock, name: str, **arguments: Any) -> Any:
+        """Has a step done.
+
+        Those who wait are served in the order in which they came.
+
+        Args:
+            turn: of whoever asks, who has only one step done at a time, a cancelled one included.
+            name: of the step.
+            **arguments: its own.
+
+        Raises:
+            StepError: in the words of whatever refused it.
+        """
+        async with contextlib.AsyncExitStack() as held:
+            await held.enter_async_context(turn)
+            await held.enter_async_context(self._places)
+            worker = await self._next()
+            exchange = asyncio.create_task(_exchange(worker, name, arguments))
+            try:
+                answer = await asyncio.wait_for(asyncio.shield(exchange), SECONDS)
+            except asyncio.CancelledError:
+                self._later(self._after(worker, exchange, held.pop_all()))
+                raise
+            except (TimeoutError, OSError, ValueError, EOFError) as error:
+                exchange.cancel()
+                self._later(self._replace(worker, held.pop_all()))
+                raise StepError(TOO_LONG if isinstance(error, TimeoutError) else _DIED) from None
+            self._idle.append(worker)
+        if "error" in answer:
+            raise StepError(answer["error"])
+        return answer["answer"]
+
+    async def close(self) -> None:
+        """Ends all workers."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*(self._end(worker) for worker in list(self._all)))
+
+    def _later(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _after(
+        self, worker: Process, exchange: "asyncio.Task[Any]", held: contextlib.AsyncExitStack
+    ) -> None:
+        """Waits for a cancelled step, but not for long."""
+        try:
+            await asyncio.wait_for(exchange, self.patience)
+        except (TimeoutError, OSError, ValueError, EOFError):
+            await self._replace(worker, held)
+        else:
+            self._idle.append(worker)
+            await held.aclose()
+
+    async def _replace(self, worker: Process, held: contextlib.AsyncExitStack) -> None:
+        """Ends a worker and starts another; only then whoever had it has its turn again."""
+        async with held:
+            await self._end(worker)
+            self._idle.append(await self._started())
+
+    async def _next(self) -> Process:
+        """A worker that waits for work. One that is starting is not lost if nobody wants it now."""
+        while self._idle:
+            worker = self._idle.popleft()
+            if worker.returncode is None:
+                return worker
+            self._all.discard(worker)
+        starting = asyncio.create_task(self._started())
+        try:
+            return await asyncio.shield(starting)
+        except asyncio.CancelledError:
+            starting.add_done_callback(lambda done: self._idle.append(done.result()))
+            raise
+
+    async def _started(self) -> Process:
+        # Two threads of linear algebra each would only get in each other's way.
+        alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+        worker = await asyncio.create_subprocess_exec(
+            sys.executable,
+            *("-m", "habilis.studio.worker", self.module),
+            stdin=PIPE,
+            stdout=PIPE,
+            limit=_LONGEST_ANSWER,
+            env=os.environ | alone,
+        )
+        self._all.add(worker)
+        if self.background:
+            with contextlib.suppress(AttributeError, OSError):  # not every system has it
+                os.setpriority(os.PRIO_PROCESS, worker.pid, _NICE)
+        return worker
+
+    async def _end(self, worker: Process) -> None:
+        self._all.discard(worker)
+        with contextlib.suppress(ProcessLookupError):
+            worker.kill()
+        await worker.wait()
+
+
+_DIED = "the computation ended unexpectedly; make the world or the horizon smaller"
+
+
+async def _exchange(worker: Process, name: str, arguments: dict[str, Any]) -> dict[str, Any]:
+    """Sends a request, and waits for its answer."""
+    assert worker.stdin is not None
+    assert worker.stdout is not None
+    request = pickle.dumps((name, arguments))
+    worker.stdin.write(len(request).to_bytes(LENGTH) + request)
+    await worker.stdin.drain()
+    line = await worker.stdout.readline()
+    if not line:
+        raise EOFError
+    return json.loads(line)

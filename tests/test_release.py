@@ -1,0 +1,160 @@
+"""What is released: packages that install and run from anywhere, and what is told of them."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+import habilis
+
+ROOT = Path(__file__).parents[1]
+HEADINGS = ["New", "Breaking changes", "Fixed", "Performance"]
+
+
+def ran(*command, where, **environment):
+    """What a command prints, in a folder, without our sources on its path."""
+    kept = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "VIRTUAL_ENV")}
+    done = subprocess.run(
+        [str(word) for word in command],
+        cwd=where,
+        env=kept | environment,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+def sources():
+    """What a fresh clone has, as paths from its root; from an unpacked sdist, what that has."""
+    if (ROOT / ".git").exists():
+        return [Path(name) for name in ran("git", "ls-files", where=ROOT).splitlines()]
+    made = {".venv", "__pycache__", "site", "dist", ".pytest_cache", "PKG-INFO"}
+    files = (path.relative_to(ROOT) for path in ROOT.rglob("*") if path.is_file())
+    return [path for path in files if made.isdisjoint(path.parts)]
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """The folder of both packages, built of a clean copy."""
+    copy, out = tmp_path_factory.mktemp("copy"), tmp_path_factory.mktemp("dist")
+    for path in sources():
+        if (ROOT / path).exists():  # else it is about to be removed
+            (copy / path).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / path, copy / path)
+    ran(sys.executable, "-m", "build", "--outdir", out, where=copy)
+    return out
+
+
+@pytest.fixture(scope="module")
+def wheel(built):
+    (path,) = built.glob("*.whl")
+    return path
+
+
+@pytest.fixture(scope="module")
+def sdist(built):
+    (path,) = built.glob("*.tar.gz")
+    return path
+
+
+@pytest.fixture(scope="module")
+def unpacked(sdist, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sdist")
+    with tarfile.open(sdist) as archive:
+        archive.extractall(folder, filter="data")
+    (inside,) = folder.iterdir()
+    return inside
+
+
+def test_the_wheel_has_what_the_package_needs_and_nothing_else(wheel):
+    names = set(zipfile.ZipFile(wheel).namelist())
+    ours = {str(path.relative_to("src")) for path in sources() if path.parts[0] == "src"}
+    assert {"habilis/py.typed", "habilis/worlds/builtin/yard.txt"} <= ours
+    assert any(name.startswith("habilis/studies/data/maps/") for name in ours)
+    assert any(name.endswith((".html", ".jinja")) for name in ours)
+    info = f"habilis-{habilis.__version__}.dist-info"
+    assert {name for name in names if not name.startswith(f"{info}/")} == ours
+    assert f"{info}/licenses/LICENSE" in names
+
+
+def test_the_sdist_has_all_of_the_repository_that_is_not_about_the_repository(unpacked):
+    there = {path.relative_to(unpacked) for path in unpacked.rglob("*") if path.is_file()}
+    missing = {path for path in sources() if path.parts[0] != ".ci"} - there
+    assert missing <= {Path(".gitignore")}
+    assert there - set(sources()) == {Path("PKG-INFO")}
+
+
+def test_the_tests_of_the_sdist_run(unpacked):
+    environment = {"PYTHONPATH": str(unpacked / "src")}
+    tests = ["tests/test_mdp.py", "tests/test_package.py", "tests/worlds/test_rules.py"]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+    assert " passed" in ran(*command, *tests, where=unpacked, **environment)
+    ran(*command, "--collect-only", "tests", where=unpacked, **environment)
+
+
+@pytest.mark.parametrize("kind", ["wheel", "sdist"])
+def test_it_installs_into_an_empty_environment_and_runs(kind, request, tmp_path):
+    package = request.getfixturevalue(kind)
+    ran(sys.executable, "-m", "venv", tmp_path / "venv", where=tmp_path)
+    python = tmp_path / "venv" / "bin" / "python"
+    pip = [python, "-m", "pip", "--disable-pip-version-check"]
+    constraints = ["--constraint", ROOT / "constraints.txt"]
+    ran(*pip, "install", "--quiet", *constraints, package, where=tmp_path)
+    ran(*pip, "check", where=tmp_path)
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    said = ran(python.parent / "habilis", "compare", "yard", "--horizon", "3", where=elsewhere)
+    averages = dict(re.findall(r"^ *(\w+)  (\d\.\d{4})", said, re.MULTILINE))
+    assert averages == {"picker": "0.5241", "broom": "0.2761", "none": "0.2303"}
+    code = "import habilis; print(habilis.__file__, habilis.__version__)"
+    file, version = ran(python, "-c", code, where=elsewhere).split()
+    assert Path(file).is_relative_to(tmp_path / "venv")
+    assert version == habilis.__version__
+    assert (Path(file).parent / "py.typed").exists()
+
+
+def test_the_version_is_one_number_everywhere():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    assert re.fullmatch(r"\d+\.\d+\.\d+(\.dev\d+|rc\d+)?", habilis.__version__)
+    assert str(citation["version"]) == habilis.__version__
+    newest = re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)
+    assert newest is not None
+    assert newest[1] == habilis.__version__
+
+
+def test_the_changelog_has_its_headings_in_their_order_and_no_others():
+    versions = (ROOT / "CHANGELOG.md").read_text("utf-8").split("\n## ")
+    assert versions[0].strip() == "# Changelog"
+    for version in versions[1:]:
+        assert re.match(r"\d+\.\d+\.\d+ \((unreleased|\d{4}-\d{2}-\d{2})\)\n", version)
+        assert re.findall(r"^#+ (.*)$", version, re.MULTILINE) == HEADINGS
+
+
+def test_the_citation_names_the_software_and_the_paper():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    assert citation["cff-version"] == "1.2.0"
+    assert {"message", "title", "authors", "version", "license", "type"} <= citation.keys()
+    assert citation["license"] == "MIT"
+    assert (ROOT / "LICENSE").read_text("utf-8").startswith("MIT License")
+    for entry in (citation, *citation["references"]):
+        assert entry["title"]
+        for author in entry["authors"]:
+            assert author.keys() <= {"name", "family-names", "given-names"}
+            assert all(author.values())
+    (paper,) = citation["references"]
+    assert paper["type"] == "conference-paper"
+    assert paper["title"] in " ".join((ROOT / "README.md").read_text("utf-8").split())
+    assert [author["family-names"] for author in paper["authors"]] == [
+        "Rasheed",
+        "Polani",
+        "Catenacci Volpi",
+    ]
+    assert paper["year"] == 2023
