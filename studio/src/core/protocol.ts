@@ -36,17 +36,20 @@ export interface Hello {
   run: RunAbout | null;
 }
 
+/** The most that a training may take. */
 export interface TrainingLimits {
-  intrinsic?: string[];
-  algorithm?: string[];
-  runs?: number;
-  episodes?: number;
-  horizon?: number;
+  runs: number;
+  episodes: number;
+  placements: number;
+  at_once: number;
+  waiting: number;
 }
 
 /** A trained run that the server can act out. */
 export interface RunAbout {
   name: string;
+  /** By which a training of this visit is asked for; none of the folder's own run. */
+  asked?: string;
   runs: number;
   map: string;
   tool: string;
@@ -111,16 +114,28 @@ export interface CurveData {
 
 export interface TrainAnswer extends Common {
   curve?: CurveData | null;
+  /** Of all runs together. */
   steps?: number;
   episodes?: number;
   share?: number;
+  steps_per_second?: number;
   best_return?: number;
-  done?: { converged_at?: (number | null)[]; name?: string; stopped?: boolean };
+  done?: { name: string; runs: number; converged_at: (number | null)[]; best_return: number };
 }
 
 export interface RunAnswer extends Common {
   policy?: { episode: number[][]; cells: (number[] | null)[][] };
   values?: Grid;
-  episode?: { placements: Placement[]; actions: number[]; return: number; finished?: boolean };
+  episode?: Episode;
   curve?: CurveData | null;
+  best_return?: number;
+}
+
+/** What the most probable actions come to. */
+export interface Episode {
+  placements: Placement[];
+  actions: number[];
+  values: number[];
+  return: number;
+  finished: boolean;
 }

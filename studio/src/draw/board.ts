@@ -29,6 +29,8 @@ export interface Picture {
   marks?: Mark[] | null;
   /** Arrows from cells: lengths north, east, south, west. */
   arrows?: (number[] | null)[][] | null;
+  /** How probable the agent's next moves are: north, east, south, west. */
+  now?: number[] | null;
   /** What a cell is called for those who hear it. */
   label: (cell: Cell) => string;
 }
@@ -61,7 +63,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
   const [floor, heat, walls] = [layer("floor"), layer("heat"), layer("walls")];
   const [labels, arrows, things] = [layer("labels"), layer("arrows"), layer("things")];
   const [goal, chosen, marks] = [layer("goal"), layer("chosen"), layer("marks")];
-  const [cursors, cells] = [layer("cursor"), layer("cells")];
+  const [now, cursors, cells] = [layer("now"), layer("cursor"), layer("cells")];
   const ring = svg("rect", { width: UNIT, height: UNIT, rx: 12, class: "ring" });
   cursors.append(ring);
   const element = h("div", { class: "board-box" }, picture);
@@ -88,6 +90,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
     redraw(chosen, (next.chosen ?? []).map((cell) => box("chosen", cell, 8)).join(""));
     redraw(marks, (next.marks ?? []).map((mark) => markOf(mark, isThing(next, mark.cell))).join(""));
     redraw(arrows, next.arrows ? everyCell(next, (cell) => arrowOf(next, cell)) : "");
+    redraw(now, next.now && next.things.agent ? movesOf(next.things.agent, next.now) : "");
     picture.classList.toggle("marked", (next.marks?.length ?? 0) > 0);
     drawThings(next);
     redraw(cells, everyCell(next, (cell) => nameOf(next, cell), '<g role="row">', "</g>"));
@@ -248,19 +251,31 @@ function facing(agent: Cell, tool: Cell): number {
 }
 
 function arrowOf({ arrows }: Picture, cell: Cell): string {
-  const lengths = arrows?.[cell[0]]?.[cell[1]];
-  if (!lengths) return "";
+  const shares = arrows?.[cell[0]]?.[cell[1]];
+  return shares ? arrowsFrom(cell, shares, (share) => [8, 12 + 34 * share]) : "";
+}
+
+/** From the agent's sides into the cells around it. */
+function movesOf(agent: Cell, shares: number[]): string {
+  return arrowsFrom(agent, shares, (share) => [44, 60 + 40 * share]);
+}
+
+function arrowsFrom(
+  cell: Cell,
+  shares: number[],
+  reach: (share: number) => [number, number],
+): string {
   const [x, y] = corner(cell);
-  return lengths
-    .slice(0, 4)
-    .map((share, side) => {
-      if (share < 0.02) return "";
-      const place = `translate(${x + 50} ${y + 50}) rotate(${90 * side})`;
-      const tip = -12 - 34 * share;
-      const path = `M-3 -8 L-3 ${tip + 9} L-9 ${tip + 9} L0 ${tip - 3} L9 ${tip + 9} L3 ${tip + 9} L3 -8Z`;
-      return `<path class="arrow" transform="${place}" d="${path}" opacity="${(0.35 + 0.65 * share).toFixed(2)}"/>`;
-    })
-    .join("");
+  const drawn = shares.slice(0, 4).map((share, side) => {
+    if (share < 0.02) return "";
+    const [from, to] = reach(share);
+    const neck = 9 - to;
+    const path = `M-3 ${-from}V${neck}H-9L0 ${-to - 3}L9 ${neck}H3V${-from}Z`;
+    const place = `translate(${x + 50} ${y + 50}) rotate(${90 * side})`;
+    const opacity = (0.35 + 0.65 * share).toFixed(2);
+    return `<path class="arrow" transform="${place}" d="${path}" opacity="${opacity}"/>`;
+  });
+  return drawn.join("");
 }
 
 function clamp(value: number, most: number): number {

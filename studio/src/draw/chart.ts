@@ -88,7 +88,7 @@ function markup(data: ChartData, width: number, height: number): string {
     const y = py(data.level.y);
     parts.push(
       `<line class="level" x1="${LEFT}" x2="${width - RIGHT}" y1="${y}" y2="${y}"/>`,
-      `<text class="level-name" x="${width - RIGHT - 4}" y="${y + 16}" text-anchor="end">${escaped(data.level.label)}</text>`,
+      `<text class="level-name" x="${width - RIGHT - 4}" y="${y - 7}" text-anchor="end">${escaped(data.level.label)}</text>`,
     );
   }
   for (const { x, y, low: lows, high: highs, kind } of lines) {

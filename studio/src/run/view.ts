@@ -24,7 +24,7 @@ export function createRun({ hello, connection, acted }: App): View {
   const [low, high] = [h("span"), h("span")];
   const bar = h("span", { class: "scale-bar" });
   bar.style.background = GRADIENT;
-  const scale = h("div", { class: "scale" }, low, bar, high, h("span", {}, "value"));
+  const scale = h("div", { class: "scale" }, low, bar, high, h("span", { class: "scale-name" }, "value, with tool and can as they start"));
   let answer: RunAnswer | null = null;
   let shown: keyof typeof SHOWN = "both";
   let step = 0;
@@ -46,7 +46,9 @@ export function createRun({ hello, connection, acted }: App): View {
   function load(which: number): void {
     stop();
     told.textContent = "Acting it out…";
-    const asked = connection.ask<RunAnswer>("run", { index: which }, (next) => {
+    const name = acted.current()?.asked;
+    const body = name === undefined ? { index: which } : { index: which, name };
+    const asked = connection.ask<RunAnswer>("run", body, (next) => {
       if (next.progress !== undefined) return;
       asked.forget();
       if (next.error !== undefined) {
@@ -98,6 +100,7 @@ export function createRun({ hello, connection, acted }: App): View {
       tool: about.tool,
       values: withValues ? { grid: answer.values!, scale: ends } : null,
       arrows: shown === "values" ? null : (answer.policy?.cells ?? null),
+      now: answer.policy?.episode[step] ?? null,
       label: rowColumn,
     });
     scale.hidden = !withValues;
@@ -105,14 +108,21 @@ export function createRun({ hello, connection, acted }: App): View {
     steps.show(step);
     drawBars(answer.policy?.episode[step] ?? null, answer.episode.actions[step]);
     const length = answer.episode.actions.length;
-    const outcome = answer.episode.finished === false
-      ? "it never reaches the bin"
-      : `return ${answer.episode.return.toFixed(0).replace("-", "−")}`;
-    told.textContent = `${length} steps, ${outcome}`;
+    const { finished, return: worth } = answer.episode;
+    const best = answer.best_return ?? worth;
+    const outcome = finished
+      ? `the can is in the bin: return ${signed(worth)}, the best possible is ${signed(best)}`
+      : "and it goes in circles: the can never gets to the bin";
+    told.textContent = `${length} ${length === 1 ? "step" : "steps"}, ${outcome}.`;
     const curve = answer.curve;
     chart.draw({
       lines: curve ? [{ label: about.name, x: curve.x, y: curve.mean, low: curve.low, high: curve.high, kind: 0 }] : [],
-      xLabel: "episodes", yLabel: "return", squeezed: true, empty: "",
+      xLabel: "episodes",
+      yLabel: "return",
+      level: answer.best_return === undefined ? null : { y: answer.best_return, label: "best possible" },
+      squeezed: true,
+      yMost: 0,
+      empty: "There is no curve yet.",
     });
   }
 
@@ -187,4 +197,8 @@ export function createRun({ hello, connection, acted }: App): View {
       stop();
     },
   };
+}
+
+function signed(value: number): string {
+  return value.toFixed(0).replace("-", "−");
 }

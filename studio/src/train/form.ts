@@ -26,37 +26,25 @@ const INTRINSIC: Record<string, string> = {
 const ALGORITHMS: Record<string, string> = {
   a2c: "A2C",
   ppo: "PPO",
-  q: "Q-learning",
-  q_learning: "Q-learning",
-  soft: "Soft value iteration",
+  "q-learning": "Q-learning",
+  "soft-value-iteration": "Soft value iteration",
 };
 
 export function createForm({ hello }: App): { element: HTMLElement; settings: () => Settings } {
   const limits = hello.limits.training;
-  const named = (names: string[], words: Record<string, string>) =>
-    Object.fromEntries(names.map((name) => [name, words[name] ?? name]));
-  const intrinsic = select(
-    "Intrinsic reward",
-    named(limits.intrinsic ?? ["none", "object", "state"], INTRINSIC),
-    show,
-  );
+  const intrinsic = select("Intrinsic reward", INTRINSIC, show);
   intrinsic.id = "intrinsic";
   intrinsic.value = "object";
-  const algorithm = select(
-    "Algorithm",
-    named(limits.algorithm ?? ["a2c", "ppo"], ALGORITHMS),
-    () => undefined,
-  );
+  const algorithm = select("Algorithm", ALGORITHMS, () => undefined);
   algorithm.id = "algorithm";
-  const most = { runs: limits.runs ?? 16, episodes: limits.episodes ?? 100_000 };
   const horizon = numberField("Steps ahead", {
-    id: "train-horizon", least: 1, most: limits.horizon ?? hello.limits.horizon, step: 1, value: 3,
+    id: "train-horizon", least: 1, most: hello.limits.horizon, step: 1, value: 3,
   });
   const beta = numberField("Weight β", { id: "beta", least: 0, most: 10, step: 0.01, value: 0.08 });
-  const runs = numberField("Runs", { id: "runs", least: 1, most: most.runs, step: 1, value: Math.min(5, most.runs) });
+  const runs = numberField("Runs", { id: "runs", least: 1, most: limits.runs, step: 1, value: 5 });
   const seed = numberField("Seed", { id: "seed", least: 0, most: 2 ** 32 - 1, step: 1, value: 0 });
   const episodes = numberField("Episodes", {
-    id: "episodes", least: 1, most: most.episodes, step: 1, value: Math.min(2000, most.episodes),
+    id: "episodes", least: 1, most: limits.episodes, step: 1, value: 2000,
   });
 
   function show(): void {

@@ -17,6 +17,7 @@ export interface Training {
   episodes: number;
   best: number | null;
   done: TrainAnswer["done"] | null;
+  stopped: boolean;
   error: string | null;
   /** Which of the chart's two lines it is, if it is drawn. */
   line: 0 | 1 | null;
@@ -28,6 +29,8 @@ export interface Trainings {
   begin(settings: Settings): void;
   stop(): void;
   toggle(training: Training): void;
+  /** Makes this the run that is acted out. */
+  watch(training: Training): void;
 }
 
 export function createTrainings(app: App, onChange: () => void): Trainings {
@@ -45,13 +48,20 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     training.line = taken === 0 ? 1 : 0;
   }
 
+  function watch({ label, done, settings, scene: { map, tool } }: Training): void {
+    if (!done || acted.current()?.asked === done.name) return;
+    const { runs } = settings;
+    acted.show({ name: label, asked: done.name, runs, map, tool, config: { ...settings } });
+  }
+
   function begin(settings: Settings): void {
     const scene = message(store.scene());
     const training: Training = {
       id: trainings.length + 1,
       label: summary(settings, scene.tool),
       settings, scene,
-      curve: null, share: 0, steps: 0, episodes: 0, best: null, done: null, error: null, line: null,
+      curve: null, share: 0, steps: 0, episodes: 0, best: null, done: null, stopped: false,
+      error: null, line: null,
     };
     trainings.push(training);
     draw(training);
@@ -64,10 +74,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
       training.best = answer.best_return ?? training.best;
       if (answer.done) {
         training.done = answer.done;
-        training.share = 1;
-        const { map, tool } = scene;
-        const name = answer.done.name ?? training.label;
-        acted.show({ name, runs: settings.runs, map, tool, config: { ...settings } });
+        watch(training);
       }
       onChange();
     });
@@ -78,8 +85,13 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     all: () => trainings,
     running,
     begin,
+    watch,
     stop() {
-      if (asked && running()) connection.tell(asked, "stop");
+      const going = running();
+      if (asked === null || going === null) return;
+      going.stopped = true;
+      connection.tell(asked, "stop");
+      onChange();
     },
     toggle(training) {
       if (training.line === null) draw(training);

@@ -21,7 +21,7 @@ export function createTrain(app: App, openRun: () => void): View {
   function draw(): void {
     const going = trainings.running();
     start.disabled = going !== null;
-    stop.disabled = going === null;
+    stop.disabled = going === null || going.stopped;
     const drawn = trainings.all().filter(({ line }) => line !== null);
     const best = drawn.find((training) => training.best !== null)?.best ?? null;
     chart.draw({
@@ -60,7 +60,7 @@ export function createTrain(app: App, openRun: () => void): View {
       h("span", { class: "name" }, label),
       h("span", { class: error ? "fault" : "quiet" }, error ?? wordsOn(training)),
       done
-        ? button("Watch", openRun, { kind: "small" })
+        ? button("Watch", () => (trainings.watch(training), openRun()), { kind: "small" })
         : error === null ? bar : null,
     );
   }
@@ -88,17 +88,17 @@ export function createTrain(app: App, openRun: () => void): View {
   return { element, entered: draw };
 }
 
-function wordsOn({ done, steps, episodes, curve, settings }: Training): string {
+function wordsOn({ done, stopped, steps, episodes, curve, settings }: Training): string {
   const last = curve?.mean.at(-1);
   const now = last === undefined ? "" : `return ${last.toFixed(1).replace("-", "−")}`;
   const count = (value: number) => Math.round(value).toLocaleString("en-GB");
-  if (!done) return [now, `${count(episodes)} episodes`, `${count(steps)} steps`].filter(Boolean).join(" · ");
-  const converged = (done.converged_at ?? []).filter((at) => at !== null);
+  const so = `${count(episodes / settings.runs)} episodes`;
+  if (!done && stopped) return "stopping…";
+  if (!done) return steps ? [now, so, `${count(steps)} steps`].filter(Boolean).join(" · ") : "starting…";
+  const converged = done.converged_at.filter((at) => at !== null);
   const mean = converged.reduce((sum, at) => sum + at, 0) / converged.length;
-  const end = done.stopped
-    ? `stopped after ${count(episodes)} episodes`
-    : converged.length
-      ? `${converged.length} of ${settings.runs} converged, after ${count(mean)} episodes`
-      : `none of ${settings.runs} converged`;
+  const end = converged.length
+    ? `${converged.length} of ${settings.runs} converged, after ${count(mean)} episodes`
+    : stopped ? `stopped after ${so}` : `none of ${settings.runs} converged`;
   return [now, end].filter(Boolean).join(" · ");
 }
