@@ -30,6 +30,7 @@ pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="needs Debian's ch
 
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
+LONG = 300_000  # milliseconds after which a training must be stuck
 SIZE = {"width": 1280, "height": 720}
 
 
@@ -253,10 +254,8 @@ def test_the_keyboard_alone_draws_moves_and_asks(page: Page):
     page.keyboard.press("c")
     assert shown_bits(page) == true_bits(replace(walled, object=(6, 4)), 3)
     page.locator(LANDSCAPE).focus()
-    page.keyboard.press("ArrowDown")
-    expect(page.locator("#told")).to_contain_text("From row 2, column 1") if (
-        (1, 0) not in YARD.walls
-    ) else page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#told")).to_contain_text("From row 1, column 2")
     page.keyboard.press("?")
     expect(page.get_by_role("dialog", name="What is this?")).to_be_visible()
     keep_picture(page, "help")
@@ -299,21 +298,19 @@ def test_show_me_acts_out_a_shortest_plan(page: Page):
 
 
 def test_light_and_dark_by_preference_and_by_the_switch(page: Page):
-    def ground() -> str:
-        return page.evaluate("getComputedStyle(document.body).backgroundColor")
-
-    light = ground()
+    body = page.locator("body")
+    light, dark = "rgb(246, 245, 241)", "rgb(18, 20, 23)"
+    expect(body).to_have_css("background-color", light)
     page.emulate_media(color_scheme="dark")
-    assert ground() != light
+    expect(body).to_have_css("background-color", dark)
     page.emulate_media(color_scheme="light")
-    assert ground() == light
+    expect(body).to_have_css("background-color", light)
     page.locator("#theme").click()
-    dark = ground()
-    assert dark != light
+    expect(body).to_have_css("background-color", dark)
     keep_picture(page, "design-dark")
     page.reload()
     settled(page)
-    assert ground() == dark
+    expect(body).to_have_css("background-color", dark)
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (810, 1080)])
@@ -327,3 +324,45 @@ def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
         assert wide <= size[0]
         assert high <= size[1]
         keep_picture(page, f"{view}-{size[0]}")
+
+
+def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: Page):
+    pytest.importorskip("jax")
+    page.locator("#tab-train").click()
+    page.locator("#runs").fill("2")
+    page.locator("#episodes").fill("300")
+    page.locator("#start").click()
+    watch = page.get_by_role("button", name="Watch")
+    expect(watch).to_have_count(1, timeout=LONG)
+    assert page.locator("#curves .line").count() == 1
+    expect(page.locator(".training")).to_contain_text("of 2 converged")
+
+    page.locator("#intrinsic").select_option("none")
+    page.locator("#episodes").fill("100000")
+    page.locator("#start").click()
+    expect(page.locator("#curves .line")).to_have_count(2, timeout=LONG)
+    assert watch.count() == 1  # the second still trains, and both are drawn
+    page.locator("#stop").click()
+    expect(watch).to_have_count(2, timeout=LONG)
+    keep_picture(page, "train")
+
+    watch.last.click()
+    told = page.locator("#run-told")
+    expect(told).to_contain_text("step", timeout=LONG)
+    expect(page.locator("#action-bars li")).to_have_count(8)
+    shares = [int(text.split()[0]) for text in page.locator("#action-bars .bits").all_inner_texts()]
+    assert sum(shares) == pytest.approx(100, abs=4)
+    assert page.locator("#run-board .arrows .arrow").count() > 0
+    assert page.locator("#run-curve .line").count() == 1
+    keep_picture(page, "run")
+
+
+def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
+    pytest.importorskip("jax")
+    page.locator("#tab-train").click()
+    page.locator("#beta").fill("0")
+    page.locator("#start").click()
+    expect(page.locator(".training .fault")).to_contain_text(
+        "give both what is added and its weight, or neither"
+    )
+    assert page.locator("#start").is_enabled()

@@ -35,7 +35,10 @@ export function moved(world: World, thing: Thing, cell: number): World {
 
 /** With the tool out of the way, for a map whose agent has none. */
 export function toolAside(world: World, cell: number): World {
-  return world.tool === cell ? settled({ ...world, tool: null }, "tool", cell) : world;
+  if (world.tool !== cell) return world;
+  const taken = { ...world, tool: null, walls: world.walls.with(cell, true) };
+  const aside = settled(taken, "tool", cell);
+  return { ...aside, walls: aside.walls.with(cell, false) };
 }
 
 /** With a place for the tool: its own, or the nearest free one to the agent. */

@@ -22,7 +22,7 @@ export interface Picture {
   things: Partial<Placement>;
   tool: string;
   /** Bits for each cell, with the scale of their colours. */
-  values?: { grid: (number | null)[][]; scale: Scale } | null;
+  values?: { grid: (number | null)[][]; scale: Scale; unlabelled?: boolean } | null;
   /** Cells that the sensor can see. */
   chosen?: Cell[];
   /** Where something could be; the values fade then. */
@@ -114,7 +114,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
           : box("value", cell, 1, ` fill="${colourOf(bits, values.scale)}"`);
       }),
     );
-    const small = picture.clientWidth / next.width < READABLE;
+    const small = values.unlabelled || picture.clientWidth / next.width < READABLE;
     redraw(
       labels,
       everyCell(next, (cell) => {
@@ -123,7 +123,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
         const [x, y] = corner(cell);
         const [kind, below] = isThing(next, cell) ? ["small", 80] : ["", 51];
         const look = `class="${kind}" fill="${inkOn(bits, values.scale)}"`;
-        return `<text x="${x + 50}" y="${y + below}" ${look}>${bits.toFixed(1)}</text>`;
+        return `<text x="${x + 50}" y="${y + below}" ${look}>${bits.toFixed(1).replace("-", "−")}</text>`;
       }),
     );
   }

@@ -33,7 +33,7 @@ export interface Chart {
   draw(data: ChartData): void;
 }
 
-const [LEFT, RIGHT, TOP, BOTTOM] = [52, 14, 14, 40];
+const [LEFT, RIGHT, TOP, BOTTOM] = [52, 22, 14, 40];
 
 export function createChart(name: string, id: string): Chart {
   const picture = svg("svg", { class: "chart", id, role: "img", "aria-label": name });

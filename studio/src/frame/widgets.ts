@@ -145,6 +145,12 @@ export function button(
   );
 }
 
+/** Gives a button another name and sign, such as "Pause" while something plays. */
+export function rename(element: HTMLButtonElement, label: string, sign: string): void {
+  if (element.querySelector(".button-name")?.textContent === label) return;
+  element.replaceChildren(glyph(sign), h("span", { class: "button-name" }, label));
+}
+
 export function card(name: string, kind: string, ...children: Child[]): HTMLElement {
   return h("section", { class: `card ${kind}`, "aria-label": name }, ...children);
 }

@@ -5,7 +5,7 @@ import { h } from "../core/elements";
 import { cellOf } from "../core/scene";
 import { createBoard } from "../draw/board";
 import { createChart } from "../draw/chart";
-import { button, card, notice } from "../frame/widgets";
+import { button, card, notice, rename } from "../frame/widgets";
 import { rowColumn } from "../design/editor";
 import { createPlayer } from "./game";
 
@@ -93,7 +93,8 @@ export function createPlay(app: App): View {
     state.classList.toggle("good", ended);
     pads[1]!.classList.toggle("off", tool === "none");
     for (const key of pads[1]!.querySelectorAll("button")) key.disabled = tool === "none";
-    show.querySelector(".button-name")!.textContent = player.showing() ? "Stop" : "Show me";
+    if (player.showing()) rename(show, "Stop", "stop");
+    else rename(show, "Show me", "play");
     if (!steps && !player.showing()) plan.textContent = "";
   }
 

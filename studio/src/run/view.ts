@@ -9,7 +9,7 @@ import { createBoard } from "../draw/board";
 import { createChart } from "../draw/chart";
 import { GRADIENT, scaleOf } from "../draw/heat";
 import { rowColumn } from "../design/editor";
-import { button, card, segmented, select, slider } from "../frame/widgets";
+import { button, card, rename, segmented, select, slider } from "../frame/widgets";
 
 const PACE = 420;
 const SHOWN = { policy: ["Policy"], values: ["Values"], both: ["Both"] };
@@ -84,7 +84,8 @@ export function createRun({ hello, connection, acted }: App): View {
 
   function draw(): void {
     const about = acted.current();
-    play.querySelector(".button-name")!.textContent = timer ? "Pause" : "Play";
+    if (timer) rename(play, "Pause", "pause");
+    else rename(play, "Play", "play");
     if (about === null || !answer?.episode) return;
     const { world } = parseMap(about.map);
     const placement = answer.episode.placements[step]!;
@@ -98,13 +99,17 @@ export function createRun({ hello, connection, acted }: App): View {
       goal: cellOf(world, world.goal),
       things: about.tool === "none" ? { ...placement, tool: null } : placement,
       tool: about.tool,
-      values: withValues ? { grid: answer.values!, scale: ends } : null,
+      values: withValues
+        ? { grid: answer.values!, scale: ends, unlabelled: shown === "both" }
+        : null,
       arrows: shown === "values" ? null : (answer.policy?.cells ?? null),
       now: answer.policy?.episode[step] ?? null,
       label: rowColumn,
     });
     scale.hidden = !withValues;
-    [low.textContent, high.textContent] = [ends.low.toFixed(1), ends.high.toFixed(1)];
+    [low.textContent, high.textContent] = [ends.low, ends.high].map((end) =>
+      end.toFixed(1).replace("-", "−"),
+    ) as [string, string];
     steps.show(step);
     drawBars(answer.policy?.episode[step] ?? null, answer.episode.actions[step]);
     const length = answer.episode.actions.length;
@@ -178,7 +183,7 @@ export function createRun({ hello, connection, acted }: App): View {
     full.hidden = about === null;
     if (about === null) return;
     answer = null;
-    title.textContent = about.name;
+    title.textContent = title.title = about.name;
     const runs = Object.fromEntries(
       Array.from({ length: about.runs }, (_, k) => [String(k), `run ${k + 1} of ${about.runs}`]),
     );
