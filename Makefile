@@ -5,7 +5,7 @@ INSTALLED := .venv/installed
 APART := .venv-integration
 
 .PHONY: test test-integration paper quick multiverse check format docs calibrate reconstruct \
-	bench bench-sb3 clean
+	bench bench-sb3 page clean
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest
@@ -46,6 +46,11 @@ calibrate: $(INSTALLED)
 reconstruct: $(INSTALLED)
 	$(BIN)/habilis reconstruct yard --count 6 --out maps
 	$(BIN)/habilis reconstruct corridor --count 8 --from corridor --hot 0.3 --out maps
+
+# The studio's page, built into the package from studio/. Needs Node; using it does not.
+page:
+	npm --prefix studio ci
+	npm --prefix studio run build
 
 bench: $(INSTALLED)
 	$(BIN)/habilis bench

@@ -4,7 +4,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
-from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    Page,
+    Request,
+    ViewportSize,
+    expect,
+    sync_playwright,
+)
 from studio_page import (
     CHROMIUM,
     LANDSCAPE,
@@ -31,7 +38,7 @@ pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="needs Debian's ch
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
 LONG = 300_000  # milliseconds after which a training must be stuck
-SIZE = {"width": 1280, "height": 720}
+SIZE: ViewportSize = {"width": 1280, "height": 720}
 
 
 @pytest.fixture(scope="module")
@@ -183,7 +190,12 @@ def test_a_link_opens_exactly_what_is_shown(page: Page, browser: Browser):
 
 
 def test_a_link_that_is_damaged_opens_the_first_world(browser: Browser, address: str):
-    for damaged in ("#w=10x10.A.1.2.3.4", "#w=9999x9999.AAAA.1.2.3.4", "#nonsense", "#w=4x4..1.1.1.1"):
+    for damaged in (
+        "#w=10x10.A.1.2.3.4",
+        "#w=9999x9999.AAAA.1.2.3.4",
+        "#nonsense",
+        "#w=4x4..1.1.1.1",
+    ):
         page = browser.new_page()
         page.goto(address + damaged)
         assert shown_bits(page) == true_bits(YARD, 3)
@@ -195,7 +207,10 @@ def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
     marks = page.locator(f"{LANDSCAPE} .mark")
     expect(marks.first).to_be_visible()
     mdp = tabulate(YARD)
-    found = futures(mdp, mdp.find(agent=(8, 4), tool=YARD.tool_cell, object=YARD.object), 3, "object")
+    assert YARD.tool_cell is not None
+    found = futures(
+        mdp, mdp.find(agent=(8, 4), tool=YARD.tool_cell, object=YARD.object), 3, "object"
+    )
     expect(marks).to_have_count(len(found.observations))
     told = page.locator("#told")
     expect(told).to_contain_text(f"{found.empowerment:.2f} bits")

@@ -250,30 +250,22 @@ function facing(agent: Cell, tool: Cell): number {
   return { "0,-1": 90, "-1,0": 180, "0,1": 270 }[side] ?? 0;
 }
 
+/** A rose about the cell's middle, as long to each side as its action is probable. */
 function arrowOf({ arrows }: Picture, cell: Cell): string {
   const shares = arrows?.[cell[0]]?.[cell[1]];
-  return shares ? arrowsFrom(cell, shares, (share) => [8, 12 + 34 * share]) : "";
+  return shares ? wedges(cell, shares, (share) => `M-7 0L0 ${-8 - 38 * share}L7 0Z`) : "";
 }
 
 /** From the agent's sides into the cells around it. */
 function movesOf(agent: Cell, shares: number[]): string {
-  return arrowsFrom(agent, shares, (share) => [44, 60 + 40 * share]);
+  return wedges(agent, shares, (share) => `M-15 -46L0 ${-50 - 50 * share}L15 -46Z`);
 }
 
-function arrowsFrom(
-  cell: Cell,
-  shares: number[],
-  reach: (share: number) => [number, number],
-): string {
+function wedges(cell: Cell, shares: number[], path: (share: number) => string): string {
   const [x, y] = corner(cell);
   const drawn = shares.slice(0, 4).map((share, side) => {
-    if (share < 0.02) return "";
-    const [from, to] = reach(share);
-    const neck = 9 - to;
-    const path = `M-3 ${-from}V${neck}H-9L0 ${-to - 3}L9 ${neck}H3V${-from}Z`;
     const place = `translate(${x + 50} ${y + 50}) rotate(${90 * side})`;
-    const opacity = (0.35 + 0.65 * share).toFixed(2);
-    return `<path class="arrow" transform="${place}" d="${path}" opacity="${opacity}"/>`;
+    return share < 0.03 ? "" : `<path class="arrow" transform="${place}" d="${path(share)}"/>`;
   });
   return drawn.join("");
 }

@@ -66,7 +66,8 @@ export function slider(
   const output = h("output", { for: id });
   const show = (value: number) => {
     input.value = String(value);
-    input.style.setProperty("--share", String((value - least) / (most - least)));
+    const end = Number(input.max); // it may have been moved
+    input.style.setProperty("--share", String((value - least) / (end - least)));
     set(input, "aria-valuetext", words(value));
     output.textContent = words(value);
   };
