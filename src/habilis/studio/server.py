@@ -116,7 +116,7 @@ def application(studio: Studio) -> Guard:
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        await studio.pools.start()
+        studio.pools.start()
         yield
         await studio.pools.close()
 
