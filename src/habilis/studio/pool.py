@@ -53,6 +53,10 @@ class Pool:
             for _ in range(self.size):
                 self._later(self._fill())
 
+    def processes(self) -> list[int]:
+        """The numbers of the processes that there are."""
+        return sorted(worker.pid for worker in self._all)
+
     async def do(self, turn: asyncio.Lock, name: str, **arguments: Any) -> Any:
         """Has a step done.
 
@@ -119,8 +123,9 @@ class Pool:
 
     async def _fill(self) -> None:
         async with self._places:
-            with contextlib.suppress(StepError):  # whoever needs it will hear of it
-                self._idle.append(await self._started())
+            if len(self._all) < self.size:
+                with contextlib.suppress(StepError):  # whoever needs it will hear of it
+                    self._idle.append(await self._started())
 
     async def _next(self) -> Process:
         """A worker that waits for work. One that is starting is not lost if nobody wants it now."""
