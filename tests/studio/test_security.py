@@ -1,6 +1,7 @@
 """Only pages that the studio served itself may use it."""
 
 import http.client
+from contextlib import closing
 from urllib.parse import urlsplit
 
 import pytest
@@ -25,10 +26,10 @@ def open_address():
 def get(address, path="/", host=None, **headers):
     """Status, text and headers of a page, asked for at loopback's address."""
     port = urlsplit(address).port
-    there = http.client.HTTPConnection("127.0.0.1", port)
-    there.request("GET", path, headers={"Host": host or f"127.0.0.1:{port}"} | headers)
-    answer = there.getresponse()
-    return answer.status, answer.read().decode(), dict(answer.getheaders())
+    with closing(http.client.HTTPConnection("127.0.0.1", port)) as there:
+        there.request("GET", path, headers={"Host": host or f"127.0.0.1:{port}"} | headers)
+        answer = there.getresponse()
+        return answer.status, answer.read().decode(), dict(answer.getheaders())
 
 
 def test_the_page_may_do_nothing_with_other_hosts(address):
