@@ -48,8 +48,9 @@ class Pools:
             Pool("habilis.studio.trained", 1, _SLOW_PATIENCE, background=True),
         )
 
-    async def start(self) -> None:
-        await asyncio.gather(self.quick.start(), self.slow.start())
+    def start(self) -> None:
+        self.quick.start()
+        self.slow.start()
 
     async def close(self) -> None:
         await asyncio.gather(*(pool.close() for pool in (self.quick, self.slow, self.learning)))

@@ -18,6 +18,7 @@ async def train(pools: Pools, trainings: Trainings, client: Client, request: Req
     """Trains, and tells of the curve while it grows."""
     assert request.scene is not None, "its message has one"
     check_installed("learn")
+    pools.learning.start()
     with trainings.one(request.scene, dict(request.values["settings"])) as training:
         client.trainings[request.id] = training
         try:

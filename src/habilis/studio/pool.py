@@ -43,11 +43,19 @@ class Pool:
         self._idle: deque[Process] = deque()
         self._all: set[Process] = set()
         self._places = asyncio.Semaphore(size)
+        self._begun = False
         self._tasks: set[asyncio.Task[None]] = set()
 
-    async def start(self) -> None:
-        """Starts all of its workers ahead of need."""
-        self._idle.extend(await asyncio.gather(*(self._started() for _ in range(self.size))))
+    def start(self) -> None:
+        """Begins to start all of its workers, ahead of need."""
+        if not self._begun:
+            self._begun = True
+            for _ in range(self.size):
+                self._later(self._fill())
+
+    def processes(self) -> list[int]:
+        """The numbers of the processes that there are."""
+        return sorted(worker.pid for worker in self._all)
 
     async def do(self, turn: asyncio.Lock, name: str, **arguments: Any) -> Any:
         """Has a step done.
@@ -65,10 +73,11 @@ class Pool:
         async with contextlib.AsyncExitStack() as held:
             await held.enter_async_context(turn)
             await held.enter_async_context(self._places)
-            worker = await self._next()
+            worker = await self._next()  # which may take its time: it is not the step's
             exchange = asyncio.create_task(_exchange(worker, name, arguments))
             try:
-                answer = await asyncio.wait_for(asyncio.shield(exchange), SECONDS)
+                async with asyncio.timeout(SECONDS):
+                    answer = await asyncio.shield(exchange)
             except asyncio.CancelledError:
                 self._later(self._after(worker, exchange, held.pop_all()))
                 raise
@@ -83,7 +92,7 @@ class Pool:
 
     async def close(self) -> None:
         """Ends all workers."""
-        for task in self._tasks:
+        for task in list(self._tasks):
             task.cancel()
         await asyncio.gather(*(self._end(worker) for worker in list(self._all)))
 
@@ -97,7 +106,8 @@ class Pool:
     ) -> None:
         """Waits for a cancelled step, but not for long."""
         try:
-            await asyncio.wait_for(exchange, self.patience)
+            async with asyncio.timeout(self.patience):
+                await exchange
         except (TimeoutError, OSError, ValueError, EOFError):
             await self._replace(worker, held)
         else:
@@ -108,7 +118,14 @@ class Pool:
         """Ends a worker and starts another; only then whoever had it has its turn again."""
         async with held:
             await self._end(worker)
-            self._idle.append(await self._started())
+            with contextlib.suppress(StepError):
+                self._idle.append(await self._started())
+
+    async def _fill(self) -> None:
+        async with self._places:
+            if len(self._all) < self.size:
+                with contextlib.suppress(StepError):  # whoever needs it will hear of it
+                    self._idle.append(await self._started())
 
     async def _next(self) -> Process:
         """A worker that waits for work. One that is starting is not lost if nobody wants it now."""
@@ -121,15 +138,24 @@ class Pool:
         try:
             return await asyncio.shield(starting)
         except asyncio.CancelledError:
-            starting.add_done_callback(lambda done: self._idle.append(done.result()))
+            starting.add_done_callback(self._keep)
             raise
 
+    def _keep(self, starting: "asyncio.Task[Process]") -> None:
+        if not starting.cancelled() and starting.exception() is None:
+            self._idle.append(starting.result())
+
     async def _started(self) -> Process:
+        """A new worker that is ready.
+
+        Raises:
+            StepError: it ended instead.
+        """
         # Two threads of linear algebra each would only get in each other's way.
         alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
         worker = await asyncio.create_subprocess_exec(
             sys.executable,
-            *("-m", "habilis.studio.worker", self.module),
+            *("-m", "habilis.studio.worker", self.module, str(int(self.background))),
             stdin=PIPE,
             stdout=PIPE,
             limit=_LONGEST_ANSWER,
@@ -139,6 +165,10 @@ class Pool:
         if self.background:
             with contextlib.suppress(AttributeError, OSError):  # not every system has it
                 os.setpriority(os.PRIO_PROCESS, worker.pid, _NICE)
+        assert worker.stdout is not None
+        if not await worker.stdout.readline():
+            await self._end(worker)
+            raise StepError(_DIED)
         return worker
 
     async def _end(self, worker: Process) -> None:

@@ -116,7 +116,7 @@ def application(studio: Studio) -> Guard:
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        await studio.pools.start()
+        studio.pools.start()
         yield
         await studio.pools.close()
 
@@ -202,15 +202,18 @@ def listening(host: str, port: int) -> socket.socket:
     """
     if not 0 <= port <= 65_535:
         raise ValueError(f"port is {port}; give one from 0 (any) to 65535")
+    found = None
     try:
-        family, kind, protocol, _, address = socket.getaddrinfo(
-            host, port, type=socket.SOCK_STREAM
+        family, kind, number, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
         )[0]
-        found = socket.socket(family, kind, protocol)
+        found = socket.socket(family, kind, number)
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         found.bind(address)
         found.listen()  # from now on browsers wait for an answer
     except (OSError, UnicodeError) as error:
+        if found is not None:
+            found.close()
         reason = getattr(error, "strerror", None) or error
         raise ValueError(
             f"{host}, port {port}: cannot be listened on ({reason}); give another --host or --port"

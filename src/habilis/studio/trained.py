@@ -114,7 +114,7 @@ def _table(world: World) -> TabularMDP:
     return tabulate(world)
 
 
-def prepare() -> None:
+def prepare(background: bool) -> None:
     """Nothing: the imports above are what takes time."""
 
 

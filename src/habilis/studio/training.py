@@ -144,7 +144,8 @@ async def _ended(process: Process) -> None:
     """Lets a trainer write its last checkpoint, and sees it out."""
     _terminate(process)
     try:
-        await asyncio.wait_for(process.wait(), _GRACE)
+        async with asyncio.timeout(_GRACE):
+            await process.wait()
     except TimeoutError:
         process.kill()
         await process.wait()

@@ -188,10 +188,13 @@ STEPS: dict[str, Callable[..., Answer]] = {
 """What a process may be asked to do, by name."""
 
 
-def prepare() -> None:
-    """Loads, or compiles the first time, what steps need: so that the first is no slower."""
+def prepare(background: bool) -> None:
+    """Loads, or compiles the first time, what steps need: so that the first is no slower.
+
+    Args:
+        background: whether for steps that may take long.
+    """
     world = World.parse("AP..\n.C.G\n....\n....")
-    for slip, sensor in ((0.0, "object"), (0.0, "state"), (0.1, "object")):
-        scene = Scene(world, sensor, horizon=2, slip=slip)
-        stretch(scene, 0, 1) if slip else landscape(scene)
-        choices(scene, [0, 0])
+    for sensor in ("object", "state"):
+        landscape(Scene(world, sensor, horizon=2))
+        choices(Scene(world, sensor, horizon=2, slip=0.1 if background else 0.0), [0, 0])

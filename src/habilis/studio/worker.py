@@ -1,9 +1,10 @@
 """A process that does steps of work, one after the other, until its standard input ends.
 
-python -m habilis.studio.worker MODULE
+python -m habilis.studio.worker MODULE BACKGROUND
 
-A request is its length in four bytes and a pickled (name, arguments); an answer is a line of JSON,
-`{"answer": ...}` or `{"error": one line}`. Whoever started it may end it at any moment.
+A line says that it is ready. A request is its length in four bytes and a pickled (name, arguments);
+an answer is a line of JSON, `{"answer": ...}` or `{"error": one line}`. Whoever started it may end
+it at any moment.
 """
 
 import contextlib
@@ -37,14 +38,15 @@ def _answer(steps: Mapping[str, Callable[..., Any]], request: bytes) -> str:
         return json.dumps({"error": str(error) or type(error).__name__})
 
 
-def main(module: str) -> None:
+def main(module: str, background: str) -> None:
     # Ctrl-C reaches all processes of a terminal; when to end is for the one that started us.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     warnings.simplefilter("ignore")  # what is uncertain is in the answers
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # somebody's own tool may print
     steps = import_module(module)
-    steps.prepare()
+    steps.prepare(bool(int(background)))
+    print(json.dumps("ready"), file=answers, flush=True)
     with contextlib.suppress(BrokenPipeError):
         work(steps.STEPS, sys.stdin.buffer, answers)
 
