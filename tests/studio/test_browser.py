@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import (
@@ -35,6 +36,7 @@ from habilis.worlds.world import World, load_world
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="needs Debian's chromium")
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
 LONG = 300_000  # milliseconds after which a training must be stuck
@@ -381,3 +383,36 @@ def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
         "give both what is added and its weight, or neither"
     )
     assert page.locator("#start").is_enabled()
+
+
+def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path):
+    pytest.importorskip("jax")
+    from habilis.learning.config import Config
+    from habilis.learning.replay import play
+    from habilis.learning.train import train
+
+    run = train(Config(world="yard", runs=2, episodes=150), out=tmp_path / "trained")
+    with served(str(tmp_path / "trained")) as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        told = page.locator("#run-told")
+        for index in (0, 1):
+            page.get_by_label("Which run").select_option(str(index))
+            steps = len(play(run, index).actions)
+            expect(told).to_contain_text(f"{steps} step", timeout=LONG)
+        assert page.locator("#tab-run").get_attribute("aria-selected") == "true"
+        page.close()
+
+
+def test_a_tool_of_one_s_own_is_drawn_chosen_and_measured(browser: Browser):
+    rake = f"{EXAMPLES / 'rake.py'}:Rake"
+    with served("--tool", rake) as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        settled(page)
+        page.get_by_role("radio", name="Rake").check(force=True)
+        assert shown_bits(page) == true_bits(load_world("yard", tool=rake), 3)
+        assert shown_averages(page)[rake] == round(compare(YARD, [rake], 3)[rake], 2)
+        page.locator("#map-text").click()
+        assert "R" in page.locator("#text").input_value()
+        page.close()

@@ -70,6 +70,8 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     progress.classList.toggle("measured", share !== null);
     progress.style.setProperty("--share", String(share ?? 0));
     fault.textContent = error ?? "";
+    told.hidden = error !== null;
+    scale.hidden = error !== null;
     const there = landscape !== null;
     least.textContent = there ? values.least.toFixed(2) : "";
     most.textContent = there ? values.most.toFixed(2) : "";

@@ -251,9 +251,9 @@ function facing(agent: Cell, tool: Cell): number {
 }
 
 /** A rose about the cell's middle, as long to each side as its action is probable. */
-function arrowOf({ arrows }: Picture, cell: Cell): string {
-  const shares = arrows?.[cell[0]]?.[cell[1]];
-  return shares ? wedges(cell, shares, (share) => `M-7 0L0 ${-8 - 38 * share}L7 0Z`) : "";
+function arrowOf(picture: Picture, cell: Cell): string {
+  const shares = picture.arrows?.[cell[0]]?.[cell[1]];
+  return shares && !isThing(picture, cell) ? wedges(cell, shares, (share) => `M-9 0L0 ${-10 - 36 * share}L9 0Z`) : "";
 }
 
 /** From the agent's sides into the cells around it. */

@@ -103,7 +103,7 @@ export function createRun({ hello, connection, acted }: App): View {
         ? { grid: answer.values!, scale: ends, unlabelled: shown === "both" }
         : null,
       arrows: shown === "values" ? null : (answer.policy?.cells ?? null),
-      now: answer.policy?.episode[step] ?? null,
+      now: step < last() ? (answer.policy?.episode[step] ?? null) : null,
       label: rowColumn,
     });
     scale.hidden = !withValues;
