@@ -17,6 +17,7 @@ from studio_page import (
     CHROMIUM,
     LANDSCAPE,
     OPTIONS,
+    STUCK,
     WORLD,
     drag,
     keep_picture,
@@ -39,7 +40,6 @@ pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="needs Debian's ch
 EXAMPLES = Path(__file__).parents[2] / "examples"
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
-LONG = 300_000  # milliseconds after which a training must be stuck
 SIZE: ViewportSize = {"width": 1280, "height": 720}
 
 
@@ -53,6 +53,7 @@ def address() -> Iterator[str]:
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
+        expect.set_options(timeout=STUCK)
         yield browser
         browser.close()
 
@@ -310,7 +311,7 @@ def test_show_me_acts_out_a_shortest_plan(page: Page):
     page.locator("#show-me").click()
     expect(page.locator("#plan")).to_contain_text(f"{plan.steps} steps")
     expect(page.locator("#play-state")).to_have_text(
-        f"The can is in the bin after {plan.steps} steps.", timeout=60_000
+        f"The can is in the bin after {plan.steps} steps."
     )
 
 
@@ -350,22 +351,22 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     page.locator("#episodes").fill("300")
     page.locator("#start").click()
     watch = page.get_by_role("button", name="Watch")
-    expect(watch).to_have_count(1, timeout=LONG)
+    expect(watch).to_have_count(1)
     assert page.locator("#curves .line").count() == 1
     expect(page.locator(".training")).to_contain_text("of 2 converged")
 
     page.locator("#intrinsic").select_option("none")
     page.locator("#episodes").fill("100000")
     page.locator("#start").click()
-    expect(page.locator("#curves .line")).to_have_count(2, timeout=LONG)
+    expect(page.locator("#curves .line")).to_have_count(2)
     assert watch.count() == 1  # the second still trains, and both are drawn
     page.locator("#stop").click()
-    expect(watch).to_have_count(2, timeout=LONG)
+    expect(watch).to_have_count(2)
     keep_picture(page, "train")
 
     watch.last.click()
     told = page.locator("#run-told")
-    expect(told).to_contain_text("step", timeout=LONG)
+    expect(told).to_contain_text("step")
     expect(page.locator("#action-bars li")).to_have_count(8)
     shares = [int(text.split()[0]) for text in page.locator("#action-bars .bits").all_inner_texts()]
     assert sum(shares) == pytest.approx(100, abs=4)
@@ -399,7 +400,7 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
         for index in (0, 1):
             page.get_by_label("Which run").select_option(str(index))
             steps = len(play(run, index).actions)
-            expect(told).to_contain_text(f"{steps} step", timeout=LONG)
+            expect(told).to_contain_text(f"{steps} step")
         assert page.locator("#tab-run").get_attribute("aria-selected") == "true"
         page.close()
 

@@ -23,6 +23,9 @@ OPTIONS = [
 PICTURES = Path(__file__).parents[2] / "test-output" / "studio"
 """Where the pictures of the views are kept, to be looked at."""
 
+STUCK = 300_000
+"""Milliseconds after which what has not come is not going to."""
+
 WORLD, LANDSCAPE = "#world-board", "#landscape-board"
 _BITS = re.compile(r"row (\d+), column (\d+): (\S+) bits")
 
@@ -43,12 +46,8 @@ def served(*arguments: str) -> Iterator[str]:
 
 
 def settled(page: Page) -> None:
-    """Waits until what is shown is of the scene that is shown."""
-    page.wait_for_selector(f"{LANDSCAPE}[data-pending=false]")
-    page.wait_for_function(
-        "() => [...document.querySelectorAll('.bars [data-tool]')]"
-        ".every((row) => row.dataset.fresh === 'true')"
-    )
+    """Waits until the landscape is of the scene that is shown."""
+    page.wait_for_selector(f"{LANDSCAPE}[data-pending=false]", timeout=STUCK)
 
 
 def middle(page: Page, board: str, cell: Cell) -> tuple[float, float]:
@@ -89,7 +88,11 @@ def true_bits(world: World, horizon: int, sensor: str = "object", **options) -> 
 
 def shown_averages(page: Page) -> dict[str, float]:
     """The tools' averages that the page shows."""
-    settled(page)
+    page.wait_for_function(
+        "() => [...document.querySelectorAll('.bars [data-tool]')]"
+        ".every((row) => row.dataset.fresh === 'true')",
+        timeout=STUCK,
+    )
     rows = page.locator(".bars [data-tool]").evaluate_all(
         "rows => rows.map((row) => [row.dataset.tool, row.querySelector('.bits').textContent])"
     )

@@ -136,7 +136,12 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     plan = [];
   }
 
+  /** The plan's next step, once the server has answered the one before. */
   function follow(): void {
+    if (busy) {
+      timer = window.setTimeout(follow, PACE);
+      return;
+    }
     const action = plan?.shift();
     if (action === undefined) {
       stop();
