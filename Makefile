@@ -7,8 +7,9 @@ APART := .venv-integration
 .PHONY: test test-integration paper quick multiverse check format docs calibrate reconstruct \
 	bench bench-sb3 page clean
 
+# Side by side on all processors, the tests of a file together.
 test: $(INSTALLED)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 # With torch, Stable-Baselines3 and gymnax, in an environment of their own.
 test-integration: $(APART)/installed

@@ -276,3 +276,42 @@ def test_environments_in_other_processes_are_to_be_wrapped_there():
     envs = VectorEnv()  # as AsyncVectorEnv, it has no environments in this process
     with pytest.raises(ValueError, match="wrap each environment in EmpowermentReward before"):
         EmpowermentReward(envs, **TOE)
+
+
+@pytest.mark.parametrize("identity", ["habilis/Corridor-v0", "FrozenLake-v1"])
+def test_statistics_inside_are_kept_where_the_next_episode_begins_in_the_same_step(identity):
+    def make():
+        return RecordEpisodeStatistics(gymnasium.make(identity, max_episode_steps=5))
+
+    envs = SyncVectorEnv([make] * 2, autoreset_mode=AutoresetMode.SAME_STEP)
+    envs = EmpowermentReward(envs, 2, "agent", 0.5)
+    envs.reset(seed=0)
+    ended = 0
+    for _ in range(10):
+        *_, terminated, truncated, info = envs.step(np.zeros(2, int))
+        for i in np.flatnonzero(terminated | truncated):
+            assert info["final_info"]["episode"]["l"][i] <= 5
+            ended += 1
+    assert ended
+
+
+def different(kind: str) -> list[gymnasium.Env]:
+    if kind == "worlds":
+        return [WorldEnv("corridor"), WorldEnv("yard")]
+    if kind == "slips":
+        return [WorldEnv("yard"), WorldEnv("yard", slip=0.5)]
+    maps = (["SFF", "FFF", "FFG"], ["SHF", "FFF", "FFG"])
+    return [gymnasium.make("FrozenLake-v1", desc=desc) for desc in maps]
+
+
+@pytest.mark.parametrize("kind", ["worlds", "slips", "lakes"])
+def test_different_tables_in_one_vector_are_refused(kind):
+    envs = SyncVectorEnv([lambda env=env: env for env in different(kind)])
+    with pytest.raises(ValueError, match="environment 1 is another than environment 0; wrap each"):
+        EmpowermentReward(envs, 2, "agent", 0.5)
+
+
+def test_a_mask_left_out_by_none_resets_all():
+    envs = EmpowermentReward(WorldVectorEnv(2, "yard"), 2, "object", 0.5)
+    info = envs.reset(options={"reset_mask": None})[1]
+    assert info["empowerment"].shape == (2,)

@@ -1,6 +1,7 @@
 """The worlds as Gymnasium environments."""
 
 import copy
+import pickle
 import re
 import warnings
 from pathlib import Path
@@ -255,6 +256,16 @@ def test_render_without_a_mode_draws_nothing_and_says_so():
         ({"world": "yard", "measures": {"toe": {"horizon": -1}}}, "horizon"),
         ({"world": "yard", "measures": {"toe": {"horizn": 1}}}, "measure 'toe'"),
         ({"world": "yard", "measures": {"toe": 3}}, "measure 'toe'"),
+        ({"world": "yard", "measures": ["toe"]}, "measures is .*; give names"),
+        (
+            {"world": "yard", "measures": {"toe": {"horizon": 1, "return_gap": True}}},
+            "measure 'toe': it has not one value",
+        ),
+        (
+            {"world": "yard", "measures": {"toe": {"horizon": 1, "states": [0]}}},
+            "measure 'toe': it has not one value",
+        ),
+        ({"world": 5}, "world is 5; give"),
     ],
 )
 def test_what_cannot_be_made_is_refused_in_one_line(arguments, message):
@@ -288,3 +299,12 @@ def test_a_tool_of_ones_own_is_stepped_shown_and_measured():
         after = mdp.next_state[info["state"], action]
         info = env.step(action)[4]
         assert info["state"] == after
+
+
+@pytest.mark.parametrize("kind", ["factors", "onehot", "grid", "rgb"])
+def test_an_environment_goes_to_another_process(kind):
+    env = gymnasium.make("habilis/Yard-v0", observation=kind)
+    env.reset(seed=0)
+    env.step(2)
+    there = pickle.loads(pickle.dumps(env))
+    np.testing.assert_array_equal(there.step(1)[0], env.step(1)[0])

@@ -161,3 +161,30 @@ def test_ffmpegs_complaint_is_passed_on(tmp_path: Path, monkeypatch: pytest.Monk
     with pytest.raises(OSError, match=r"ffmpeg: .*sepia"):
         save_mp4(walk(), tmp_path / "walk.mp4")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_colour_that_only_a_picture_in_the_middle_has_is_kept(tmp_path: Path):
+    pictures = np.zeros((3, 4, 6, 3), np.uint8)
+    pictures[1] = (255, 10, 20)
+    save_gif(pictures, tmp_path / "flash.gif")
+    seen = [image.convert("RGB").getpixel((0, 0)) for image in frames_of(tmp_path / "flash.gif")]
+    assert seen == [(0, 0, 0), (255, 10, 20), (0, 0, 0)]
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+@pytest.mark.parametrize(
+    "numbers", [{"milliseconds": 250.5}, {"milliseconds": float("nan")}, {"cell": 0}, {"cell": 1.5}]
+)
+def test_numbers_that_are_no_whole_ones_are_refused(suffix, numbers, tmp_path: Path):
+    path = tmp_path / f"walk{suffix}"
+    (name,) = numbers
+    with pytest.raises(ValueError, match=f"{name} is .*; give a whole number of at least 1"):
+        save_film(walk(), path, **numbers)
+    assert not path.exists()
+
+
+@pytest.mark.parametrize("milliseconds", [5, 200_000])
+def test_times_that_a_gif_cannot_say_are_refused(milliseconds, tmp_path: Path):
+    with pytest.raises(ValueError, match=f"milliseconds is {milliseconds}; a GIF takes 10 to"):
+        save_film(walk(), tmp_path / "walk.gif", milliseconds=milliseconds)
+    assert not any(tmp_path.iterdir())

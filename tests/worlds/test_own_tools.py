@@ -511,3 +511,30 @@ def test_the_page_about_it_runs_and_its_rake_is_the_example(folder, monkeypatch)
     assert done.returncode == 0, done.stderr
     assert "leaves an object behind that is called attached" in done.stdout
     assert sorted(path.name for path in folder.iterdir()) == ["examples", "rake.py"]
+
+
+ILL_BEHAVED = """
+import sys
+from habilis.worlds.tools import Broom
+class Character(Broom):
+    @property
+    def character(self): raise RuntimeError("no")
+class Drawing(Broom):
+    @property
+    def drawing(self): raise RuntimeError("no")
+class Made(Broom):
+    def __init__(self): sys.exit(0)
+class Asked(Broom):
+    def carry(self, agent, tool, thing, step): sys.exit(0)
+"""
+
+
+@pytest.mark.parametrize("name", ["Character", "Drawing", "Made", "Asked"])
+def test_a_tool_that_leaves_or_fails_in_a_property_is_one_line(name, tmp_path, capsys):
+    (tmp_path / "ill.py").write_text(ILL_BEHAVED)
+    verb = ["landscape", "yard", "--horizon", "1", "--tool", f"{tmp_path / 'ill.py'}:{name}"]
+    assert main(verb) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert f":{name}" in said
+    assert "fails with" in said

@@ -57,7 +57,7 @@ class Bonus:
         Raises:
             ValueError: discount is not from 0 to 1.
         """
-        if not 0 <= discount <= 1:
+        if not isinstance(discount, int | float) or not 0 <= discount <= 1:
             raise ValueError(f"discount is {discount!r}; give a number from 0 to 1")
         over = max(self.beta_steps, 1)
         return {

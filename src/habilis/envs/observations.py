@@ -1,8 +1,9 @@
 """What an agent is shown of a state of a table."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
@@ -10,6 +11,9 @@ from jaxtyping import Int64, UInt8
 
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World
+
+if TYPE_CHECKING:
+    from habilis.worlds.tiles import Tiles
 
 KINDS = ("factors", "onehot", "grid", "rgb")
 CELL = 16
@@ -124,25 +128,12 @@ def grid(labels: Labels, world: World) -> Marks:
 
 
 def _labels(labels: Labels) -> Observation:
-    of = labels.of
-
-    def show(state: Any) -> np.ndarray:
-        return of[state].copy() if isinstance(state, int) else of.take(state, axis=0)
-
-    return Observation(gymnasium.spaces.MultiDiscrete(labels.sizes), show)
+    return Observation(gymnasium.spaces.MultiDiscrete(labels.sizes), partial(_labelled, labels.of))
 
 
 def _marks(marks: Marks) -> Observation:
-    at, still = marks.at, marks.still
-
-    def show(state: Any) -> np.ndarray:
-        places = at[state]
-        shown = np.empty((*places.shape[:-1], still.size), np.uint8)
-        shown[...] = still.reshape(-1)
-        np.put_along_axis(shown, places, 1, axis=-1)
-        return shown.reshape(*places.shape[:-1], *still.shape)
-
-    return Observation(gymnasium.spaces.Box(0, 1, still.shape, np.uint8), show)
+    space = gymnasium.spaces.Box(0, 1, marks.still.shape, np.uint8)
+    return Observation(space, partial(_marked, marks.at, marks.still))
 
 
 def _pictures(mdp: TabularMDP, world: World) -> Observation:
@@ -155,11 +146,27 @@ def frames(mdp: TabularMDP, world: World, cell: int) -> Show:
     """Pictures of states, uint8 `[cell * rows, cell * columns, 3]`, of several with N in front."""
     from habilis.worlds.tiles import Tiles
 
-    tiles = Tiles.of(world, cell)
+    return partial(_pictured, Tiles.of(world, cell), mdp.factors)
 
-    def show(states: Any) -> np.ndarray:
-        at = {name: labels[np.atleast_1d(states)] for name, labels in mdp.factors.items()}
-        pictures = tiles.frames(at["agent"], at.get("tool"), at["object"])
-        return pictures if np.ndim(states) else pictures[0]
 
-    return show
+# What shows is no function inside another: those cannot be pickled, and environments are.
+
+
+def _labelled(of: Int64[np.ndarray, "S things"], state: Any) -> np.ndarray:
+    return of[state].copy() if isinstance(state, int) else of.take(state, axis=0)
+
+
+def _marked(
+    at: Int64[np.ndarray, "S things"], still: UInt8[np.ndarray, "*shape"], state: Any
+) -> np.ndarray:
+    places = at[state]
+    shown = np.empty((*places.shape[:-1], still.size), np.uint8)
+    shown[...] = still.reshape(-1)
+    np.put_along_axis(shown, places, 1, axis=-1)
+    return shown.reshape(*places.shape[:-1], *still.shape)
+
+
+def _pictured(tiles: "Tiles", factors: Mapping[str, np.ndarray], states: Any) -> np.ndarray:
+    at = {name: labels[np.atleast_1d(states)] for name, labels in factors.items()}
+    pictures = tiles.frames(at["agent"], at.get("tool"), at["object"])
+    return pictures if np.ndim(states) else pictures[0]

@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium.spaces import Discrete
 from jaxtyping import Float64
 
+from habilis.cache import fingerprint
 from habilis.envs.table import TableEnv
 from habilis.gymnasium_tables.enumeration import action_count, marker
 from habilis.gymnasium_tables.identity import digest
@@ -55,6 +56,23 @@ def places_of(env: Any, measure: Measure, max_states: int) -> Places:
     if getattr(inner, "P", None) is not None:
         return _DictPlaces(env, measure, max_states)
     return _EnumeratedPlaces(env, measure, max_states)
+
+
+def same_table(one: Any, other: Any) -> bool:
+    """Whether `places_of` one environment serve for another too.
+
+    Where states are enumerated they do: other layouts are told apart.
+    """
+    one, other = one.unwrapped, other.unwrapped
+    if isinstance(one, TableEnv) and isinstance(other, TableEnv):
+        return one.slip == other.slip and _content(one.mdp) == _content(other.mdp)
+    both = (one, other)
+    tables = [env.mdp if isinstance(env, TableEnv) else getattr(env, "P", None) for env in both]
+    return tables[0] is tables[1] or tables[0] == tables[1]
+
+
+def _content(mdp: TabularMDP) -> str:
+    return fingerprint(mdp.transitions, *(part for pair in mdp.factors.items() for part in pair))
 
 
 class _OwnPlaces:

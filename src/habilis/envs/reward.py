@@ -13,7 +13,7 @@ from jaxtyping import Float64, Int64
 from habilis.empowerment.bonus import Bonus, regularised
 from habilis.empowerment.keeping import kept_empowerment
 from habilis.empowerment.sensors import Sensor
-from habilis.envs.places import Measure, places_of
+from habilis.envs.places import Measure, places_of, same_table
 from habilis.envs.vector import Stepped, TableVectorEnv
 
 EXTRINSIC, EMPOWERMENT = "extrinsic_reward", "empowerment"
@@ -168,9 +168,9 @@ class VectorEmpowermentReward(VectorWrapper):
         seed: int | list[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Any, dict[str, Any]]:
-        mask = (options or {}).get("reset_mask", np.ones(self.num_envs, bool))
+        mask = (options or {}).get("reset_mask")
         observations, info = self.env.reset(seed=seed, options=options)  # pyright: ignore[reportArgumentType]
-        self._ended = self._ended & ~mask
+        self._ended = self._ended & (False if mask is None else ~mask)
         self._before = self._states.now()
         return observations, info | self._told({EMPOWERMENT: self._states.values[self._before]})
 
@@ -216,6 +216,12 @@ class _ManyStates:
     """Of a `SyncVectorEnv`, whose environments are asked one by one."""
 
     def __init__(self, envs: list[gymnasium.Env], measure: Measure, max_states: int):
+        for number, env in enumerate(envs[1:], start=1):
+            if not same_table(envs[0], env):
+                raise ValueError(
+                    f"environment {number} is another than environment 0; wrap each environment "
+                    "in EmpowermentReward before it is vectorised"
+                )
         self._envs = [env.unwrapped for env in envs]
         self._places = places_of(envs[0], measure, max_states)
 
@@ -227,9 +233,10 @@ class _ManyStates:
         return np.array([self._places.of(env) for env in self._envs])
 
     def last(self, before: Any, actions: Any, now: Any, ended: Any, info: dict[str, Any]) -> Any:
-        reached, told = now.copy(), info.get("final_info", {})
+        reached, states = now.copy(), info.get("final_info", {}).get("state")
         for i in np.flatnonzero(ended):
-            of_one = {name: values[i] for name, values in told.items() if not name.startswith("_")}
+            # Only ours have "state"; others may have what is no array, such as statistics.
+            of_one = {} if states is None else {"state": states[i]}
             reached[i] = self._places.last(
                 int(before[i]), int(actions[i]), info["final_obs"][i], of_one
             )

@@ -24,6 +24,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
 
     Attributes:
         mdp: the table.
+        slip: the probability that chance takes the place of the chosen action.
         state: the index of the state that the environment is in.
 
     Example:
@@ -59,7 +60,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         self.mdp, self._columns = mdp, dict(columns or {})
         self._look_up()
         self._show, self._actions = shown.show, mdp.action_count
-        self._max_steps, self._slip = max_steps, slip
+        self._max_steps, self.slip = max_steps, slip
         self.state, self._steps = mdp.start, 0
         self.observation_space: Any = shown.space
         self.action_space: Any = gymnasium.spaces.Discrete(mdp.action_count)
@@ -83,7 +84,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     @property
     def dynamics(self) -> TabularMDP:
         """The table with its slip."""
-        return self.mdp.slippery(self._slip)
+        return self.mdp.slippery(self.slip)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -96,7 +97,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         chosen = int(action)
         if not 0 <= chosen < self._actions:
             raise ValueError(f"action is {action!r}; use 0 to {self._actions - 1}")
-        if self._slip and self.np_random.random() < self._slip:
+        if self.slip and self.np_random.random() < self.slip:
             chosen = int(self.np_random.integers(self._actions))
         transition = self.state * self._actions + chosen
         self.state = state = self._next_state[transition]

@@ -228,11 +228,16 @@ class Scene:
         found = found if tool is None else found.with_tool(tool)
         mdp = tabulate(found)
         columns: dict[str, np.ndarray] = dict(mdp.flags)
+        if not isinstance(measures, Mapping | None):
+            raise ValueError(f"measures is {measures!r}; give names with arguments")
         for name, arguments in (measures or {}).items():
             if name in columns or name == "state":
                 raise ValueError(f"measure {name!r} is what info has already; give another name")
             try:
-                columns[name] = kept_empowerment(mdp.slippery(slip), **arguments)
+                values = kept_empowerment(mdp.slippery(slip), **arguments)
+                if np.shape(values) != (mdp.states,):
+                    raise ValueError("it has not one value for every state")
+                columns[name] = values
             except (TypeError, ValueError) as error:
                 raise ValueError(
                     f"measure {name!r}: {error}; give the arguments of habilis.empowerment, as "
@@ -269,4 +274,6 @@ def as_world(world: World | str | Path) -> World:
         except ValueError:
             if "\n" in world:
                 raise
+    if not isinstance(world, str | Path):
+        raise ValueError(f"world is {world!r}; give a world, its name, a path, or a map's text")
     return load_world(world)

@@ -13,6 +13,7 @@ from habilis.studio.pool import Pool, StepError
 from habilis.studio.scenes import Scene
 from habilis.worlds.world import NO_TOOL
 
+_SETTLED = 0.1  # seconds without an edit, before averages are begun that the next one would end
 _STRETCH = 0.1  # seconds of a step that is part of a longer computation
 _AT_ONCE = 8  # processes of a pool at most
 _QUICK_PATIENCE, _SLOW_PATIENCE = 0.3, 1.0
@@ -95,6 +96,7 @@ async def _averages(
     pools: Pools, tools: tuple[str, ...], client: Client, number: int, scene: Scene
 ) -> None:
     """What each tool is worth on average; where that cannot be said, why."""
+    await asyncio.sleep(_SETTLED)
     if scene.world.tool_cell is None:
         tools = ()
     # The tool in hand first: it is what is looked at.

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import traceback
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any
 
@@ -68,3 +69,6 @@ class Client:
             await work
         except (ValueError, MissingExtraError) as error:
             await self.tell(number, error=one_line(error))
+        except Exception as error:
+            traceback.print_exc()
+            await self.tell(number, error=one_line(f"the studio failed: {error!r}; please tell us"))

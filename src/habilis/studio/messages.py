@@ -1,4 +1,34 @@
-"""What a message may be: everything that comes from a page is looked over here."""
+"""What a message may be: everything that comes from a page is looked over here.
+
+Messages are JSON texts over one WebSocket. The server begins with `{"hello": ...}` (see
+`server.Studio.hello`); then a page asks, `{"id": number, "do": name, ...}`, and every answer has
+the request's id. An answer is what it is asked for below, in one or more parts, or
+
+    {"id", "error": one line}       what is wrong, in the library's words
+    {"id", "progress": 0 to 1}      of what takes long
+    {"id", "overtaken": true}       a newer request of the same kind has taken its place
+
+measure  scene
+         landscape (rows of bits, null where the agent cannot be), least, most, seconds; then, tool
+         by tool, averages {tool: bits or null} and verdicts {tool: {useful, better_than_none}},
+         and `why` where an average is null
+futures  scene, agent [row, column]
+         bits, gap, things [[row, column, probability]] of what is sensed (through the sensor
+         "state": of the can), elsewhere (the probability of other cells), count of observations
+solve    scene
+         steps, return, actions, placements; or nulls, where the goal is out of reach
+step     scene, placement {agent, tool, object}, action (an index; null: stay, to ask for its bits)
+         placement, bits, equipped, attached, reward, ended
+train    scene, settings (some of `habilis.learning.config.Config`)
+         name; then repeatedly share, steps_per_second, curve, episodes, steps, converged_at,
+         best_return; at last the same with done {name, runs, converged_at, best_return}
+stop     (the id is the training's) nothing of its own: the training ends, and keeps what it has
+run      index, perhaps name (of a training) and placement (of tool and object)
+         policy {episode, cells}, values, episode {placements, actions, values, return, finished},
+         curve and what goes with it
+
+A scene is an object with what `scenes.Scene` has; a curve has x, mean, low, high, runs, carried_on.
+"""
 
 import json
 from collections.abc import Mapping

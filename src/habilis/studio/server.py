@@ -1,6 +1,7 @@
 """The studio's server: one page, and one WebSocket a page."""
 
 import asyncio
+import contextlib
 import socket
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
@@ -142,7 +143,12 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
     if len(studio.clients) >= CLIENTS:
         await socket.close(_FULL, f"{CLIENTS} pages are open; close one")
         return
-    client = Client(socket.send_text)
+
+    async def send(text: str) -> None:
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # the loop below hears of it
+            await socket.send_text(text)
+
+    client = Client(send)
     studio.clients.add(client)
     try:
         await socket.send_json({"hello": studio.hello()})

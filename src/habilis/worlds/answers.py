@@ -60,7 +60,7 @@ def ask(grid: "Grid", rule: Tool, method: Method, placements: Placements, *step:
     """What a tool says of placements in all of which it is in hand; see `answers`."""
     try:
         told = np.asarray(getattr(rule, method)(*map(_unwritable, placements), *step))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         mend = _WRITE if "read-only" in str(error) else "mend it"
         raise refusal(rule, method, f"fails with {failure(error)}", mend) from error
     thing = placements[2]

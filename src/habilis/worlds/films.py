@@ -21,6 +21,7 @@ Frame = UInt8[np.ndarray, "height width 3"]
 States = Sequence[World] | Sequence[Frame] | UInt8[np.ndarray, "frames height width 3"]
 
 _REST = 6  # how many times longer a film stays on its last frame
+_TICK, _LONGEST = 10, 655_350  # milliseconds: a GIF counts hundredths, in 16 bits
 _COLOURS = "bt709"  # said in the file, so that players do not guess
 
 
@@ -56,9 +57,17 @@ def save_gif(states: States, path: str | Path, cell: int = 32, milliseconds: int
     """
     suffix_of(path, [".gif"])
     first, last, frames = _checked(states, path, cell, milliseconds)
-    # One palette, so that still things do not flicker; the ends have all the colours there are.
-    ends = Image.fromarray(np.concatenate([first, last]))
-    palette = ends.quantize(method=Image.Quantize.FASTOCTREE)
+    if milliseconds < _TICK or _REST * milliseconds > _LONGEST:
+        raise ValueError(
+            f"{path}: milliseconds is {milliseconds}; a GIF takes {_TICK} to {_LONGEST // _REST}"
+        )
+    # One palette, so that still things do not flicker; a world's ends have all its colours.
+    colours = np.concatenate([first, last])
+    if not isinstance(states[0], World):
+        everywhere = _colours(cast(Sequence[Frame], states))
+        if everywhere.size > _colours([first, last]).size:
+            colours = everywhere
+    palette = Image.fromarray(colours).quantize(method=Image.Quantize.FASTOCTREE)
     images = (
         Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE)
         for pixels in frames
@@ -114,8 +123,9 @@ def _checked(
     """The first frame, the last, and all of them one after the other."""
     if not len(states):
         raise ValueError(f"{path}: a film of no states; give at least one")
-    if milliseconds <= 0:
-        raise ValueError(f"{path}: milliseconds is {milliseconds}; give how long a state stays on")
+    for name, number in (("milliseconds", milliseconds), ("cell", cell)):
+        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+            raise ValueError(f"{path}: {name} is {number!r}; give a whole number of at least 1")
     if isinstance(states[0], World):
         return _of_worlds(cast(Sequence[World], states), path, cell)
     return _of_pictures(cast(Sequence[Frame], states), path)
@@ -128,7 +138,7 @@ def _of_worlds(
         return world.height, world.width, world.walls, world.goal, world.tool
 
     for number, state in enumerate(states):
-        if still(state) != still(states[0]):
+        if not isinstance(state, World) or still(state) != still(states[0]):
             raise ValueError(
                 f"{path}: state {number} is of another world than state 0; "
                 "give states that differ in where agent, tool and can are"
@@ -148,3 +158,11 @@ def _of_pictures(
                 "give uint8 of one shape [height, width, 3]"
             )
     return frames[0], frames[-1], iter(frames)
+
+
+def _colours(pictures: Sequence[Frame]) -> UInt8[np.ndarray, "1 colours 3"]:
+    """Every colour that there is in some pictures."""
+    found = np.empty(0, np.int64)
+    for pixels in pictures:
+        found = np.union1d(found, np.asarray(pixels).reshape(-1, 3) @ (1 << 16, 1 << 8, 1))
+    return np.stack([found >> 16, found >> 8 & 255, found & 255], axis=-1).astype(np.uint8)[None]

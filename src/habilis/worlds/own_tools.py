@@ -184,7 +184,7 @@ def _made(found: Any) -> Tool:
     """A tool from its class, looked over as far as can be seen without asking it."""
     kind = found if isinstance(found, type) else type(found)
     for method in _METHODS:
-        if not callable(getattr(found, method, None)):
+        if not callable(_said(found, method)):
             raise ValueError(
                 f"{kind.__name__} has no method {method!r}; a tool has {', '.join(_METHODS)}"
             )
@@ -193,12 +193,22 @@ def _made(found: Any) -> Tool:
     else:
         try:
             tool = found()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise ValueError(
                 f"{kind.__name__}() fails with {failure(error)}; let it need no arguments, or name "
                 "an instance"
             ) from error
-    if not hasattr(tool, "character"):
+    _said(tool, "drawing")
+    character = _said(tool, "character")
+    if character is None:
         raise ValueError(f"{kind.__name__} has no character; give it one, such as 'R'")
-    check_free(tool.character)
+    check_free(character)
     return tool
+
+
+def _said(found: Any, name: str) -> Any:
+    """An attribute, `None` if there is none; a property may do anything."""
+    try:
+        return getattr(found, name, None)
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"its {name} fails with {failure(error)}; mend it") from error
