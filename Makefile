@@ -5,7 +5,7 @@ INSTALLED := .venv/installed
 APART := .venv-integration
 
 .PHONY: test test-integration paper quick multiverse check format docs calibrate reconstruct \
-	bench bench-sb3 clean
+	bench bench-sb3 page clean
 
 # Side by side on all processors, the tests of a file together.
 test: $(INSTALLED)
@@ -48,6 +48,11 @@ reconstruct: $(INSTALLED)
 	$(BIN)/habilis reconstruct yard --count 6 --out maps
 	$(BIN)/habilis reconstruct corridor --count 8 --from corridor --hot 0.3 --out maps
 
+# The studio's page, built into the package from studio/. Needs Node; using it does not.
+page:
+	npm --prefix studio ci
+	npm --prefix studio run build
+
 bench: $(INSTALLED)
 	$(BIN)/habilis bench
 
@@ -70,7 +75,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 		{ echo "Habilis needs Python 3.11 or newer; call make PYTHON=python3.12, say"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,video,docs,dev]"
+		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,studio,video,docs,dev]"
 	touch $@
 
 clean:

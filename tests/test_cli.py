@@ -14,7 +14,7 @@ from habilis.cli import main
 
 VERBS = (
     *("worlds", "solve", "empowerment", "landscape", "futures", "compare"),
-    *("train", "watch", "reproduce", "reconstruct", "bench"),
+    *("train", "watch", "reproduce", "reconstruct", "studio", "bench"),
 )
 
 

@@ -266,6 +266,12 @@ def reconstruct(args: Args) -> int:
     return search(args)
 
 
+def studio(args: Args) -> int:
+    from habilis.cli_studio import studio as serve
+
+    return serve(args)
+
+
 def bench(args: Args) -> int:
     from habilis.benchmarks import run_benchmarks
 
@@ -304,6 +310,7 @@ _VERBS: dict[str, Verb] = {
         sweep,
         reproduce,
         reconstruct,
+        studio,
         bench,
     )
 }

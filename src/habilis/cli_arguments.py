@@ -196,6 +196,21 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     begin = "begin each attempt with this map (default: at random)"
     v.add_argument("--from", dest="begin", metavar="WORLD", help=begin)
 
+    v = verb(
+        "studio",
+        "draw worlds in a browser and see their empowerment at once",
+        "habilis studio --port 8000",
+    )
+    v.add_argument(
+        "run", nargs="?", type=Path, metavar="RUN", help="a trained run's folder to show"
+    )
+    loopback = "address to listen on (default 127.0.0.1: only this machine can reach it)"
+    v.add_argument("--host", default="127.0.0.1", help=loopback)
+    v.add_argument("--port", type=int, default=0, help="default 0: any that is free")
+    own = "one of your own as FILE.py:CLASS, beside picker and broom; again for another"
+    v.add_argument("--tool", action="append", default=[], dest="tools", metavar="TOOL", help=own)
+    v.add_argument("--no-browser", action="store_true", help="only print the address")
+
     v = verb("bench", "measure our speed beside the alternatives", "habilis bench empowerment")
     v.add_argument("what", nargs="*", metavar="WHAT", help="which benchmarks (default all)")
     return whole

@@ -1,6 +1,7 @@
 """The parts of Habilis that need more than the plain installation."""
 
 from importlib import import_module
+from importlib.util import find_spec
 from types import ModuleType
 
 _OF_EXTRA = {
@@ -8,6 +9,7 @@ _OF_EXTRA = {
     "gymnasium": ("gymnasium", "pygame"),
     "video": ("imageio_ffmpeg", "moviepy"),
     "sweep": ("optuna", "ray"),
+    "studio": ("starlette", "uvicorn", "websockets"),
 }
 
 
@@ -26,6 +28,19 @@ def import_from(module: str, extra: str) -> ModuleType:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.partition(".")[0] not in _OF_EXTRA[extra]:
             raise
-        raise MissingExtraError(
-            f"{error.name} is not installed; run: pip install 'habilis[{extra}]'"
-        ) from None
+        raise _missing(error.name, extra) from None
+
+
+def check_installed(extra: str) -> None:
+    """Refuses what another process would need an extra for.
+
+    Raises:
+        MissingExtraError: as in `import_from`.
+    """
+    for name in _OF_EXTRA[extra]:
+        if find_spec(name) is None:
+            raise _missing(name, extra)
+
+
+def _missing(name: str, extra: str) -> MissingExtraError:
+    return MissingExtraError(f"{name} is not installed; run: pip install 'habilis[{extra}]'")

@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import Any
 
-BENCHMARKS = ("empowerment", "scale", "worlds", "environments", "learning", "sb3")
-_NEEDS_LEARNING = ("learning", "sb3")
+BENCHMARKS = ("empowerment", "scale", "worlds", "environments", "learning", "studio", "sb3")
+_EXTRAS = {"learning": "learn", "sb3": "learn", "studio": "studio"}
 _APART = ("sb3",)  # measured when named: it needs an environment with torch
 
 
@@ -54,7 +54,8 @@ def run_benchmarks(names: Sequence[str]) -> list[Result]:
     results = []
     for name in names or [name for name in BENCHMARKS if name not in _APART]:
         path = f"habilis.benchmarks.{name}"
-        module = import_from(path, "learn") if name in _NEEDS_LEARNING else import_module(path)
+        extra = _EXTRAS.get(name)
+        module = import_module(path) if extra is None else import_from(path, extra)
         results += module.results()
     return results
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import jax
 import numpy as np
 
+from habilis.learning.algorithms import A2C, PPO, SoftValueIteration
 from habilis.learning.lanes import Program
 from habilis.learning.runs import Run
 from habilis.learning.task import make_task
@@ -41,6 +42,33 @@ def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
     task, rows = make_task(mdp)
     module = Program.of(run.config, rows, 1).module
     return np.asarray(module.preferences(task, parameters).argmax(axis=-1))
+
+
+def learned(run: Run, mdp: TabularMDP, index: int) -> tuple[np.ndarray, np.ndarray]:
+    """What a run learned of every state.
+
+    Args:
+        run: a trained run.
+        mdp: the table of its world.
+        index: which of its runs.
+
+    Returns:
+        float[S, A], the probability of each action (Q-learning's policy is the greedy one, without
+        what it explores), and float[S], the value: the discounted sum of rewards that it expects,
+        intrinsic ones included.
+    """
+    algorithm = run.config.algorithm
+    parameters = jax.tree.map(lambda leaf: leaf[index], run.parameters)
+    task, rows = make_task(mdp)
+    wanted = Program.of(run.config, rows, 1).module.preferences(task, parameters)
+    if isinstance(algorithm, A2C | PPO):
+        policy, values = jax.nn.softmax(wanted), parameters(task.inputs)[:, -1]
+    elif isinstance(algorithm, SoftValueIteration):
+        policy = jax.nn.softmax(wanted / algorithm.temperature)
+        values = jax.nn.logsumexp(wanted / algorithm.temperature, -1) * algorithm.temperature
+    else:
+        policy, values = jax.nn.one_hot(wanted.argmax(-1), mdp.action_count), wanted.max(-1)
+    return np.asarray(policy), np.asarray(values) / algorithm.reward_scale
 
 
 def play(run: Run, index: int = 0) -> Episode:

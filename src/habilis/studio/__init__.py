@@ -1,0 +1,1 @@
+"""The studio: a local page on which worlds are drawn and their empowerment is seen at once."""

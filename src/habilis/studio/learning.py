@@ -1,0 +1,67 @@
+"""How requests about training, and about what was learned, are answered."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+from habilis.extras import check_installed
+from habilis.studio.answering import Pools
+from habilis.studio.clients import Client
+from habilis.studio.messages import Request
+from habilis.studio.pool import StepError
+from habilis.studio.training import Training, Trainings
+
+_BETWEEN = 1.0  # seconds between two looks at the curve
+
+
+async def train(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
+    """Trains, and tells of the curve while it grows."""
+    assert request.scene is not None, "its message has one"
+    check_installed("learn")
+    pools.learning.start()
+    with trainings.one(request.scene, dict(request.values["settings"])) as training:
+        client.trainings[request.id] = training
+        try:
+            await _train(pools, client, request.id, training)
+        finally:
+            del client.trainings[request.id]
+
+
+async def _train(pools: Pools, client: Client, number: int, training: Training) -> None:
+    looked, share = float("-inf"), 0.0
+    await client.tell(number, progress=share, name=training.name)
+    async for told in training.told():
+        if "error" in told:
+            raise ValueError(told["error"])
+        share = told.get("share", share)
+        if "share" in told and time.monotonic() - looked >= _BETWEEN:
+            looked = time.monotonic()
+            try:
+                curve = await client.step(pools.learning, "curve", folder=str(training.folder))
+            except StepError:  # there is no checkpoint yet
+                continue
+            speed = told["steps_per_second"]
+            await client.tell(number, share=share, steps_per_second=speed, **curve)
+    try:
+        curve = await client.step(pools.learning, "curve", folder=str(training.folder))
+    except StepError:
+        raise ValueError("stopped before there was anything to keep; train on") from None
+    done = {"name": training.name, "runs": training.config.runs} | {
+        name: curve[name] for name in ("converged_at", "best_return")
+    }
+    await client.tell(number, share=share, done=done, **curve)
+
+
+async def run(
+    pools: Pools, trainings: Trainings, folder: Path | None, client: Client, request: Request
+) -> None:
+    """What one of the runs of a folder learned."""
+    values: dict[str, Any] = {"index": request.values["index"]}
+    if "name" in request.values:
+        folder = trainings.path(request.values["name"])
+    if folder is None:
+        raise ValueError("there is no run to show; give the name of a training")
+    if request.values.get("placement"):
+        values["at"] = request.values["placement"]
+    found = await client.step(pools.learning, "view", folder=str(folder), **values)
+    await client.tell(request.id, **found)

@@ -1,0 +1,176 @@
+"""What a message may be: everything that comes from a page is looked over here.
+
+Messages are JSON texts over one WebSocket. The server begins with `{"hello": ...}` (see
+`server.Studio.hello`); then a page asks, `{"id": number, "do": name, ...}`, and every answer has
+the request's id. An answer is what it is asked for below, in one or more parts, or
+
+    {"id", "error": one line}       what is wrong, in the library's words
+    {"id", "progress": 0 to 1}      of what takes long
+    {"id", "overtaken": true}       a newer request of the same kind has taken its place
+
+measure  scene
+         landscape (rows of bits, null where the agent cannot be), least, most, seconds; then, tool
+         by tool, averages {tool: bits or null} and verdicts {tool: {useful, better_than_none}},
+         and `why` where an average is null
+futures  scene, agent [row, column]
+         bits, gap, things [[row, column, probability]] of what is sensed (through the sensor
+         "state": of the can), elsewhere (the probability of other cells), count of observations
+solve    scene
+         steps, return, actions, placements; or nulls, where the goal is out of reach
+step     scene, placement {agent, tool, object}, action (an index; null: stay, to ask for its bits)
+         placement, bits, equipped, attached, reward, ended
+train    scene, settings (some of `habilis.learning.config.Config`)
+         name; then repeatedly share, steps_per_second, curve, episodes, steps, converged_at,
+         best_return; at last the same with done {name, runs, converged_at, best_return}
+stop     (the id is the training's) nothing of its own: the training ends, and keeps what it has
+run      index, perhaps name (of a training) and placement (of tool and object)
+         policy {episode, cells}, values, episode {placements, actions, values, return, finished},
+         curve and what goes with it
+
+A scene is an object with what `scenes.Scene` has; a curve has x, mean, low, high, runs, carried_on.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NoReturn
+
+from habilis.studio.fields import cell, checked, number, shown, text
+from habilis.studio.limits import MESSAGE, TRAINING
+from habilis.studio.scenes import Scene
+from habilis.worlds.world import Cell
+
+ID = "id"
+_LARGEST = 2**53  # whole numbers that JavaScript tells apart
+_LONGEST_ERROR = 400
+
+_FIELDS = {  # of each request: what it must have, and what it may have
+    "measure": (("scene",), ()),
+    "futures": (("scene", "agent"), ()),
+    "solve": (("scene",), ()),
+    "step": (("scene", "placement", "action"), ()),
+    "train": (("scene", "settings"), ()),
+    "stop": ((), ()),
+    "run": (("index",), ("name", "placement")),
+}
+_SETTINGS = (
+    *("intrinsic", "horizon", "beta", "runs", "seed", "algorithm", "episodes"),
+    *("beta_schedule", "beta_steps", "earned", "episode_limit", "learning_rate", "discount"),
+)
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a page asks for.
+
+    Attributes:
+        id: the page's number for it.
+        do: the name of what is to be done.
+        scene: where, if it is about one.
+        values: whatever else it has.
+    """
+
+    id: int
+    do: str
+    scene: Scene | None = None
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+class MessageError(ValueError):
+    """A message that is none; `id` is its number, if it had one."""
+
+    def __init__(self, message: str, number: int | None):
+        super().__init__(message)
+        self.id = number
+
+
+def read(message: Any, tools: Mapping[str, str]) -> Request:
+    """A request from a message.
+
+    Args:
+        message: as it came.
+        tools: see `Scene.of`.
+
+    Raises:
+        MessageError: in one line, what is wrong with it.
+    """
+    given, number_of = None, None
+    try:
+        given = _object(message)
+        number_of = number(ID, given.get(ID), 0, _LARGEST, whole=True)
+        return _request(number_of, given, tools)
+    except (ValueError, RecursionError) as error:
+        raise MessageError(one_line(error), number_of) from None
+
+
+def one_line(error: object) -> str:
+    """What an error says, in one line of bearable length."""
+    line = " ".join(str(error).split()) or type(error).__name__
+    return line if len(line) <= _LONGEST_ERROR else f"{line[:_LONGEST_ERROR]}..."
+
+
+def _object(message: Any) -> dict[str, Any]:
+    if not isinstance(message, str):
+        raise ValueError("a message is binary; send text, an object in JSON")
+    if len(message) > MESSAGE:
+        raise ValueError(f"a message has {len(message):,} characters; send at most {MESSAGE:,}")
+    try:
+        value = json.loads(message, parse_constant=_no_number)
+    except RecursionError:
+        raise ValueError("a message is nested too deeply; send an object as documented") from None
+    except ValueError as error:
+        raise ValueError(f"a message is no JSON ({error}); send an object") from None
+    if not isinstance(value, dict):
+        raise ValueError(f"a message is {shown(value)}; send an object")
+    return value
+
+
+def _no_number(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no number")
+
+
+def _request(number_of: int, given: dict[str, Any], tools: Mapping[str, str]) -> Request:
+    do = given.get("do")
+    if not isinstance(do, str) or do not in _FIELDS:
+        raise ValueError(f"do is {shown(do)}; use one of {', '.join(_FIELDS)}")
+    required, optional = _FIELDS[do]
+    checked(f"the message {do!r}", given, (ID, "do", *required), optional)
+    scene = Scene.of(given["scene"], tools) if "scene" in required else None
+    read_one = {name: _READERS[name] for name in (*required, *optional) if name != "scene"}
+    values = {name: read_one[name](given[name]) for name in read_one if name in given}
+    if scene is not None and "agent" in values:
+        row, column = values["agent"]
+        if not (0 <= row < scene.world.height and 0 <= column < scene.world.width):
+            raise ValueError(
+                f"the agent's cell {values['agent']} is outside the map; give a free one"
+            )
+    return Request(number_of, do, scene, values)
+
+
+def _action(value: Any) -> int | None:
+    return None if value is None else number("action", value, 0, 7, whole=True)
+
+
+def _placement(value: Any) -> dict[str, Cell]:
+    """The cells of agent, object and perhaps tool; the library says whether they are free."""
+    given = checked("placement", value, ("agent", "object"), ("tool",))
+    return {name: cell(name, at) for name, at in given.items() if name != "tool" or at is not None}
+
+
+def _settings(value: Any) -> dict[str, Any]:
+    """Settings of a training; the library says whether they make sense."""
+    given = checked("settings", value, (), _SETTINGS)
+    for name in ("runs", "episodes"):
+        if name in given:
+            number(name, given[name], 1, TRAINING[name], whole=True)
+    return given
+
+
+_READERS = {
+    "agent": lambda value: cell("agent", value),
+    "placement": _placement,
+    "action": _action,
+    "settings": _settings,
+    "index": lambda value: number("index", value, 0, _LARGEST, whole=True),
+    "name": lambda value: text("name", value),
+}

@@ -1,0 +1,194 @@
+"""Processes that do steps of work, any of which can be ended at any moment."""
+
+import asyncio
+import contextlib
+import json
+import os
+import pickle
+import sys
+from asyncio.subprocess import PIPE, Process
+from collections import deque
+from collections.abc import Coroutine
+from typing import Any
+
+from habilis.studio.limits import SECONDS
+from habilis.studio.worker import LENGTH
+
+_LONGEST_ANSWER = 64 * 2**20
+_NICE = 10
+TOO_LONG = f"it takes more than {SECONDS:g} s; make the world or the horizon smaller"
+
+
+class StepError(ValueError):
+    """What a step came to instead of an answer; one line."""
+
+
+class Pool:
+    """Worker processes.
+
+    A worker is started when it is first needed and kept. One whose step is cancelled while it runs
+    is given a moment to come to its end, for a new process takes longer to start than most steps
+    take; then it is ended, and another takes its place.
+
+    Attributes:
+        module: whose `STEPS` they do.
+        size: how many at most.
+        patience: seconds that a cancelled step is given.
+        background: whether all else that the machine does goes first.
+    """
+
+    def __init__(self, module: str, size: int, patience: float, background: bool = False):
+        self.module, self.size, self.patience = module, size, patience
+        self.background = background
+        self._idle: deque[Process] = deque()
+        self._all: set[Process] = set()
+        self._places = asyncio.Semaphore(size)
+        self._begun = False
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def start(self) -> None:
+        """Begins to start all of its workers, ahead of need."""
+        if not self._begun:
+            self._begun = True
+            for _ in range(self.size):
+                self._later(self._fill())
+
+    def processes(self) -> list[int]:
+        """The numbers of the processes that there are."""
+        return sorted(worker.pid for worker in self._all)
+
+    async def do(self, turn: asyncio.Lock, name: str, **arguments: Any) -> Any:
+        """Has a step done.
+
+        Those who wait are served in the order in which they came.
+
+        Args:
+            turn: of whoever asks, who has only one step done at a time, a cancelled one included.
+            name: of the step.
+            **arguments: its own.
+
+        Raises:
+            StepError: in the words of whatever refused it.
+        """
+        async with contextlib.AsyncExitStack() as held:
+            await held.enter_async_context(turn)
+            await held.enter_async_context(self._places)
+            worker = await self._next()  # which may take its time: it is not the step's
+            exchange = asyncio.create_task(_exchange(worker, name, arguments))
+            try:
+                async with asyncio.timeout(SECONDS):
+                    answer = await asyncio.shield(exchange)
+            except asyncio.CancelledError:
+                self._later(self._after(worker, exchange, held.pop_all()))
+                raise
+            except (TimeoutError, OSError, ValueError, EOFError) as error:
+                exchange.cancel()
+                self._later(self._replace(worker, held.pop_all()))
+                raise StepError(TOO_LONG if isinstance(error, TimeoutError) else _DIED) from None
+            self._idle.append(worker)
+        if "error" in answer:
+            raise StepError(answer["error"])
+        return answer["answer"]
+
+    async def close(self) -> None:
+        """Ends all workers."""
+        for task in list(self._tasks):
+            task.cancel()
+        await asyncio.gather(*(self._end(worker) for worker in list(self._all)))
+
+    def _later(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _after(
+        self, worker: Process, exchange: "asyncio.Task[Any]", held: contextlib.AsyncExitStack
+    ) -> None:
+        """Waits for a cancelled step, but not for long."""
+        try:
+            async with asyncio.timeout(self.patience):
+                await exchange
+        except (TimeoutError, OSError, ValueError, EOFError):
+            await self._replace(worker, held)
+        else:
+            self._idle.append(worker)
+            await held.aclose()
+
+    async def _replace(self, worker: Process, held: contextlib.AsyncExitStack) -> None:
+        """Ends a worker and starts another; only then whoever had it has its turn again."""
+        async with held:
+            await self._end(worker)
+            with contextlib.suppress(StepError):
+                self._idle.append(await self._started())
+
+    async def _fill(self) -> None:
+        async with self._places:
+            if len(self._all) < self.size:
+                with contextlib.suppress(StepError):  # whoever needs it will hear of it
+                    self._idle.append(await self._started())
+
+    async def _next(self) -> Process:
+        """A worker that waits for work. One that is starting is not lost if nobody wants it now."""
+        while self._idle:
+            worker = self._idle.popleft()
+            if worker.returncode is None:
+                return worker
+            self._all.discard(worker)
+        starting = asyncio.create_task(self._started())
+        try:
+            return await asyncio.shield(starting)
+        except asyncio.CancelledError:
+            starting.add_done_callback(self._keep)
+            raise
+
+    def _keep(self, starting: "asyncio.Task[Process]") -> None:
+        if not starting.cancelled() and starting.exception() is None:
+            self._idle.append(starting.result())
+
+    async def _started(self) -> Process:
+        """A new worker that is ready.
+
+        Raises:
+            StepError: it ended instead.
+        """
+        # Two threads of linear algebra each would only get in each other's way.
+        alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+        worker = await asyncio.create_subprocess_exec(
+            sys.executable,
+            *("-m", "habilis.studio.worker", self.module, str(int(self.background))),
+            stdin=PIPE,
+            stdout=PIPE,
+            limit=_LONGEST_ANSWER,
+            env=os.environ | alone,
+        )
+        self._all.add(worker)
+        if self.background:
+            with contextlib.suppress(AttributeError, OSError):  # not every system has it
+                os.setpriority(os.PRIO_PROCESS, worker.pid, _NICE)
+        assert worker.stdout is not None
+        if not await worker.stdout.readline():
+            await self._end(worker)
+            raise StepError(_DIED)
+        return worker
+
+    async def _end(self, worker: Process) -> None:
+        self._all.discard(worker)
+        with contextlib.suppress(ProcessLookupError):
+            worker.kill()
+        await worker.wait()
+
+
+_DIED = "the computation ended unexpectedly; make the world or the horizon smaller"
+
+
+async def _exchange(worker: Process, name: str, arguments: dict[str, Any]) -> dict[str, Any]:
+    """Sends a request, and waits for its answer."""
+    assert worker.stdin is not None
+    assert worker.stdout is not None
+    request = pickle.dumps((name, arguments))
+    worker.stdin.write(len(request).to_bytes(LENGTH) + request)
+    await worker.stdin.drain()
+    line = await worker.stdout.readline()
+    if not line:
+        raise EOFError
+    return json.loads(line)

@@ -1,0 +1,241 @@
+"""The studio's server: one page, and one WebSocket a page."""
+
+import asyncio
+import contextlib
+import socket
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request as HttpRequest
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+import habilis
+from habilis.extras import import_from
+from habilis.studio import answering, learning
+from habilis.studio.answering import Pools
+from habilis.studio.clients import Client
+from habilis.studio.limits import CLIENTS, HORIZON, MESSAGE, SIDES, SLIP, TRAINING
+from habilis.studio.messages import MessageError, Request, read
+from habilis.studio.security import Access, Guard
+from habilis.studio.training import Trainings
+from habilis.worlds.own_tools import tool_named
+from habilis.worlds.rules import ACTIONS
+from habilis.worlds.shapes import SHAPES
+from habilis.worlds.tools import TOOLS, drawing_of
+from habilis.worlds.world import NO_TOOL, load_world, world_names
+
+PAGE = Path(__file__).parent / "page"
+_FRAME = 16 * MESSAGE  # bytes; up to here what is too long is answered, above the line is cut
+_GRACE = 2  # seconds that connections have to end in
+_FULL = 1013  # a WebSocket's close code: try again later
+
+
+@dataclass(frozen=True)
+class Studio:
+    """What a server has.
+
+    Attributes:
+        access: who may use it.
+        pools: its processes.
+        trainings: those that pages have asked for.
+        tools: names of the tools of somebody's own.
+        run: the folder of a trained run to show, and `shown`, what pages are told of it.
+        clients: those that are connected.
+    """
+
+    access: Access
+    pools: Pools
+    trainings: Trainings
+    tools: tuple[str, ...] = ()
+    run: Path | None = None
+    shown: Mapping[str, Any] | None = None
+    clients: set[Client] = field(default_factory=set)
+
+    @cached_property
+    def all_tools(self) -> tuple[str, ...]:
+        return *TOOLS, *self.tools
+
+    @cached_property
+    def characters(self) -> dict[str, str]:
+        """The names of the tools by the characters that stand for them on a map."""
+        return {tool_named(name).character: name for name in self.all_tools}
+
+    def hello(self) -> dict[str, Any]:
+        """What a page is told first."""
+        shapes = SHAPES | {name: drawing_of(tool_named(name)) for name in self.tools}
+        return {
+            "version": habilis.__version__,
+            "worlds": {name: "\n".join(load_world(name).rows) for name in world_names()},
+            "tools": [*self.all_tools, NO_TOOL],
+            "tool_characters": self.characters,
+            "actions": list(ACTIONS),
+            "limits": {
+                "side": list(SIDES),
+                "horizon": HORIZON,
+                "slip": SLIP,
+                "message": MESSAGE,
+                "training": TRAINING,
+            },
+            "shapes": {
+                name: [[shape.path, shape.fill] for shape in drawing]
+                for name, drawing in shapes.items()
+            },
+            "run": self.shown,
+        }
+
+    async def answer(self, client: Client, request: Request) -> None:
+        """Begins to answer a request."""
+        pools, trainings = self.pools, self.trainings
+        if request.do == "stop":
+            await client.stop(request.id)
+            return
+        if request.do == "train" and client.trainings:
+            await client.tell(request.id, error="a training is under way; stop it first")
+            return
+        if request.do == "measure":
+            work = answering.measure(pools, self.all_tools, client, request)
+        elif request.do == "train":
+            work = learning.train(pools, trainings, client, request)
+        elif request.do == "run":
+            work = learning.run(pools, trainings, self.run, client, request)
+        else:
+            work = answering.ONE_STEP[request.do](pools, client, request)
+        await client.ask(request.do, request.id, work)
+
+
+def application(studio: Studio) -> Guard:
+    """The server as ASGI."""
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        studio.pools.start()
+        yield
+        await studio.pools.close()
+
+    async def connected(socket: WebSocket) -> None:
+        await _connected(studio, socket)
+
+    routes = [Route("/", _page), WebSocketRoute("/ws", connected)]
+    if (PAGE / "assets").is_dir():
+        routes.append(Mount("/assets", StaticFiles(directory=PAGE / "assets")))
+    return Guard(Starlette(routes=routes, lifespan=lifespan), studio.access, ("/assets/",))
+
+
+async def _page(request: HttpRequest) -> Response:
+    index = PAGE / "index.html"
+    if not index.exists():
+        return PlainTextResponse("the studio's page is not built: see studio/README.md\n")
+    return FileResponse(index, headers={"cache-control": "no-cache"})
+
+
+async def _connected(studio: Studio, socket: WebSocket) -> None:
+    """Serves one page until it is closed."""
+    await socket.accept()
+    if len(studio.clients) >= CLIENTS:
+        await socket.close(_FULL, f"{CLIENTS} pages are open; close one")
+        return
+
+    async def send(text: str) -> None:
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # the loop below hears of it
+            await socket.send_text(text)
+
+    client = Client(send)
+    studio.clients.add(client)
+    try:
+        await socket.send_json({"hello": studio.hello()})
+        while True:
+            message = await socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            try:
+                request = read(message.get("text") or message.get("bytes"), studio.characters)
+            except MessageError as error:
+                await client.tell(error.id, error=str(error))
+            else:
+                await studio.answer(client, request)
+            await asyncio.sleep(0)  # whoever sends without a pause does not keep others waiting
+    except WebSocketDisconnect:
+        pass
+    finally:
+        studio.clients.discard(client)
+        await client.leave()
+
+
+def opened(
+    host: str, port: int, folder: Path, tools: tuple[str, ...] = (), run: Path | None = None
+) -> tuple[Studio, socket.socket]:
+    """A studio on an address, ready to be served.
+
+    Args:
+        host, port: where to listen; port 0 is any that is free.
+        folder: where trainings are kept.
+        tools: names of tools of somebody's own.
+        run: the folder of a trained run to show.
+
+    Raises:
+        ValueError: the address is none of this machine's, a tool or run does not exist, or two
+            tools have one character.
+    """
+    of_characters: dict[str, str] = {}
+    for name in (*TOOLS, *tools):
+        character = tool_named(name).character
+        if character in of_characters:
+            raise ValueError(
+                f"tools {of_characters[character]!r} and {name!r} have one character, "
+                f"{character!r}; give one of them another"
+            )
+        of_characters[character] = name
+    shown = None if run is None else import_from("habilis.studio.trained", "learn").described(run)
+    found = listening(host, port)
+    access = Access.of(host, found.getsockname()[1])
+    return Studio(access, Pools.made(), Trainings(folder), tools, run, shown), found
+
+
+def listening(host: str, port: int) -> socket.socket:
+    """A socket that listens.
+
+    Raises:
+        ValueError: the address is none of this machine's, or taken.
+    """
+    if not 0 <= port <= 65_535:
+        raise ValueError(f"port is {port}; give one from 0 (any) to 65535")
+    found = None
+    try:
+        family, kind, number, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        found = socket.socket(family, kind, number)
+        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        found.bind(address)
+        found.listen()  # from now on browsers wait for an answer
+    except (OSError, UnicodeError) as error:
+        if found is not None:
+            found.close()
+        reason = getattr(error, "strerror", None) or error
+        raise ValueError(
+            f"{host}, port {port}: cannot be listened on ({reason}); give another --host or --port"
+        ) from None
+    return found
+
+
+def serve(studio: Studio, found: socket.socket) -> None:
+    """Serves until it is interrupted."""
+    config = uvicorn.Config(
+        application(studio),
+        log_level="error",
+        ws="websockets-sansio",
+        ws_max_size=_FRAME,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=_GRACE,
+        server_header=False,
+    )
+    uvicorn.Server(config).run(sockets=[found])

@@ -1,0 +1,122 @@
+"""What the studio shows of a run's folder, whether training in it has ended or not."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from habilis.learning.curves import learning_curve
+from habilis.learning.folder import load_latest
+from habilis.learning.replay import learned, play
+from habilis.learning.runs import Run
+from habilis.mdp import TabularMDP
+from habilis.studio.work import Answer, placed
+from habilis.worlds.table import placement, tabulate
+from habilis.worlds.world import World
+
+_POINTS = 150  # of a curve: more than a page has room for
+_DIGITS = 5
+
+
+def described(folder: Path) -> Answer:
+    """A run's settings and world."""
+    run = load_latest(folder)
+    return {
+        "name": folder.resolve().name,
+        "runs": run.config.runs,
+        "map": "\n".join(run.world.rows),
+        "tool": run.world.tool,
+        "config": run.config.as_dict(),
+    }
+
+
+def curve(folder: str) -> Answer:
+    """How the runs have done so far, on average; no curve while one has not ended an episode."""
+    return _curve(load_latest(folder))
+
+
+def view(folder: str, index: int, at: dict[str, list[int]] | None = None) -> Answer:
+    """What one of the runs learned.
+
+    Args:
+        folder: of the run.
+        index: which of its runs.
+        at: where object and tool are, for what is shown of every agent cell; by default where the
+            map has them.
+
+    Returns:
+        The greedy episode; along it, and for every agent cell, the probability of each action and
+        the value; and the curve.
+    """
+    run = load_latest(folder)
+    episode = play(run, index)
+    mdp = _table(run.world)
+    policy, values = learned(run, mdp, index)
+    cells = at or {"object": run.world.object, "tool": run.world.tool_cell}
+    here = np.ones(mdp.states, bool)
+    for name in mdp.factors.keys() - {"agent"}:
+        here &= mdp.factor(name) == mdp.label(cells[name])
+    shape = run.world.height, run.world.width
+    grids: Any = [[[None] * shape[1] for _ in range(shape[0])] for _ in range(2)]
+    for state in np.flatnonzero(here):
+        row, column = divmod(int(mdp.factor("agent")[state]), shape[1])
+        grids[0][row][column] = rounded(policy[state])
+        grids[1][row][column] = rounded(values[state])
+    return {
+        "policy": {
+            "episode": [rounded(policy[state]) for state in episode.states],
+            "cells": grids[0],
+        },
+        "values": grids[1],
+        "episode": {
+            "placements": [placed(placement(run.world, mdp, state)) for state in episode.states],
+            "actions": list(episode.actions),
+            "values": [rounded(values[state]) for state in episode.states],
+            "return": episode.episode_return,
+            "finished": episode.finished,
+        },
+    } | _curve(run)
+
+
+def rounded(values: np.ndarray) -> Any:
+    """A number or numbers, as precise as anybody can see."""
+    return np.vectorize(lambda value: float(f"{value:.{_DIGITS}g}"))(values).tolist()
+
+
+def _curve(run: Run) -> Answer:
+    try:
+        found = learning_curve(run)
+    except ValueError:
+        points = None
+    else:
+        shown = np.unique(np.linspace(0, len(found.x) - 1, _POINTS).astype(int))
+        points = {"runs": found.runs, "carried_on": found.carried} | {
+            name: rounded(part[shown])
+            for name, part in {
+                "x": found.x,
+                "mean": found.middle,
+                "low": found.low,
+                "high": found.high,
+            }.items()
+        }
+    return {
+        "curve": points,
+        "best_return": run.best_return,
+        "episodes": len(run.episodes),
+        "steps": int(run.episodes["steps"].sum()),
+        "converged_at": list(run.converged_at),
+    }
+
+
+@lru_cache(2)
+def _table(world: World) -> TabularMDP:
+    return tabulate(world)
+
+
+def prepare(background: bool) -> None:
+    """Nothing: the imports above are what takes time."""
+
+
+STEPS = {one.__name__: one for one in (curve, view)}
+"""What a process may be asked to do, by name."""

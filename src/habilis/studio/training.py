@@ -1,0 +1,157 @@
+"""Trainings that pages ask for: the real trainer, a process each, in folders of their own."""
+
+import asyncio
+import contextlib
+import json
+import os
+import secrets
+import sys
+from asyncio.subprocess import PIPE, Process
+from collections.abc import AsyncIterator, Iterator
+from pathlib import Path
+from typing import Any
+
+from habilis.learning.config import Config
+from habilis.studio.fields import shown
+from habilis.studio.limits import TRAINING
+from habilis.studio.scenes import Scene
+from habilis.worlds.rules import Grid
+
+_NICE = 10
+_GRACE = 15  # seconds in which a trainer that is stopped writes its last checkpoint
+_NAME = 4  # random bytes
+_MAP, _RUN = "map.txt", "run"
+
+
+class Training:
+    """One training, from its wish to its end.
+
+    Attributes:
+        name: by which what came of it can be asked for.
+        folder: where the trainer keeps its run.
+        config: its configuration.
+    """
+
+    def __init__(self, name: str, folder: Path, config: Config, places: asyncio.Semaphore):
+        self.name, self.folder, self.config = name, folder, config
+        self._places = places
+        self._process: Process | None = None
+        self._stop = False
+
+    def stop(self) -> None:
+        """Leaves it at that; what there is is kept."""
+        self._stop = True
+        if self._process is not None:
+            _terminate(self._process)
+
+    async def told(self) -> AsyncIterator[dict[str, Any]]:
+        """Trains, and yields what the trainer tells; ends it if nobody listens any more."""
+        async with self._places:
+            if self._stop:
+                return
+            process = await _started(self.folder, self.config)
+            self._process = process
+            try:
+                if self._stop:
+                    _terminate(process)
+                assert process.stdout is not None
+                while line := await process.stdout.readline():
+                    yield json.loads(line)
+            finally:
+                await _ended(process)
+
+
+class Trainings:
+    """All trainings of a server, so many at once.
+
+    Attributes:
+        folder: in which each has a folder, by its name.
+    """
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self._places = asyncio.Semaphore(TRAINING["at_once"])
+        self._under_way = 0
+
+    def path(self, name: str) -> Path:
+        """Where a training keeps its run.
+
+        Raises:
+            ValueError: there is none of that name.
+        """
+        path = self.folder / name / _RUN
+        if not name.isalnum() or not path.is_dir():
+            raise ValueError(f"no training has the name {shown(name)}; use one that it gave")
+        return path
+
+    @contextlib.contextmanager
+    def one(self, scene: Scene, settings: dict[str, Any]) -> Iterator[Training]:
+        """A new training.
+
+        Raises:
+            ValueError: what is wrong with its settings, in the trainer's words; or others wait.
+        """
+        if self._under_way >= TRAINING["at_once"] + TRAINING["waiting"]:
+            raise ValueError(f"{TRAINING['waiting']} trainings wait already; try again later")
+        check_trainable(scene)
+        name = secrets.token_hex(_NAME)
+        drawn = self.folder / name / _MAP
+        config = Config.from_dict(settings | {"world": str(drawn)})
+        drawn.parent.mkdir(parents=True)
+        drawn.write_text(scene.world.located().text(), "utf-8")
+        self._under_way += 1
+        try:
+            yield Training(name, drawn.parent / _RUN, config, self._places)
+        finally:
+            self._under_way -= 1
+
+
+def check_trainable(scene: Scene) -> None:
+    """Refuses what the trainer does not take, or what would train for ever.
+
+    Raises:
+        ValueError: naming it.
+    """
+    if scene.slip:
+        raise ValueError(f"slip is {scene.slip:g}; training knows no chance: set it to 0")
+    free = len(Grid.of(scene.world).free)
+    placements = free * free * (1 if scene.world.tool_rule is None else 5)
+    if placements > TRAINING["placements"]:
+        raise ValueError(
+            f"{scene.world.name}: has up to {placements:,} placements; train on at most "
+            f"{TRAINING['placements']:,}: make the map smaller"
+        )
+
+
+async def _started(folder: Path, config: Config) -> Process:
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        *("-m", "habilis.studio.trainer", str(folder)),
+        stdin=PIPE,
+        stdout=PIPE,
+    )
+    with contextlib.suppress(AttributeError, OSError):  # not every system has it
+        os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
+    assert process.stdin is not None
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+        process.stdin.write((json.dumps(config.as_dict()) + "\n").encode())
+        await process.stdin.drain()
+        process.stdin.close()
+    return process
+
+
+async def _ended(process: Process) -> None:
+    """Lets a trainer write its last checkpoint, and sees it out."""
+    _terminate(process)
+    try:
+        async with asyncio.timeout(_GRACE):
+            await process.wait()
+    except TimeoutError:
+        process.kill()
+        await process.wait()
+
+
+def _terminate(process: Process) -> None:
+    if process.returncode is None:
+        with contextlib.suppress(ProcessLookupError):
+            process.terminate()

@@ -1,0 +1,200 @@
+"""What is asked of the library, each in a step that is short enough to wait for.
+
+Steps are functions of plain values, so that any process can do any of them; what they share (a
+scene's table) each process keeps for itself.
+"""
+
+import random
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from habilis.empowerment.arguments import chosen_actions
+from habilis.empowerment.beliefs import TooManyBeliefsError
+from habilis.empowerment.core import empowerment
+from habilis.empowerment.effort import Limits, check_effort, most_entries, too_much
+from habilis.empowerment.futures import futures
+from habilis.empowerment.open_loop import Problem, exact, problem_of
+from habilis.empowerment.usefulness import usefulness
+from habilis.mdp import TabularMDP
+from habilis.studio.limits import GIB, SECONDS
+from habilis.studio.scenes import ELSEWHERE, Scene, placement_of
+from habilis.worlds.plans import solve
+from habilis.worlds.reach import Placement, reachable
+from habilis.worlds.table import placement, tabulate
+from habilis.worlds.world import NO_TOOL, World
+
+Answer = dict[str, Any]
+Cells = list[list[int]]
+
+_LIMITS = Limits(GIB, SECONDS)
+_OPTIONS = {"threads": 1, "max_gib": GIB, "max_seconds": SECONDS}
+_TOLERANCE = 1e-6  # bits
+_KEPT = 4  # tables of scenes
+
+
+def landscape(scene: Scene) -> Answer:
+    """Empowerment for every agent cell, tool and object where the map has them.
+
+    Only what h actions from there can touch is tabulated: on a small map as quick as looking up
+    in a table of all placements, on a large one hundreds of times quicker.
+    """
+    places = scene.agent_places()
+    bits = np.empty(0) if not places else _bits(scene, [_at(scene, place) for place in places])
+    return {"bits": bits.tolist()}
+
+
+def stretch(scene: Scene, first: int, end: int) -> Answer:
+    """Empowerment for some of the agent's cells, where chance has a part and it takes long."""
+    problem, states = _uncertain(scene)
+    try:
+        return {"bits": [exact(problem, int(state))[1].bits for state in states[first:end]]}
+    except TooManyBeliefsError as error:
+        raise too_much(problem.horizon, error.horizon, _LIMITS) from None
+
+
+def average(scene: Scene, tool: str) -> Answer:
+    """What a tool is worth on average in the scene's world, and whether it is of use."""
+    found = usefulness(scene.world.with_tool(tool), scene.horizon, scene.slip, **_OPTIONS)
+    verdict = {
+        "useful": found.useful_on_average,
+        "better_than_none": found.better_than_none_on_average,
+    }
+    return {
+        "averages": {tool: found.average_with_tool, NO_TOOL: found.average_without},
+        "verdicts": {tool: verdict},
+    }
+
+
+def average_without(scene: Scene) -> Answer:
+    """What the bare agent is worth on average."""
+    bare = tabulate(scene.world.with_tool(NO_TOOL), scene.slip)
+    bits = empowerment(bare, scene.horizon, "object", **_OPTIONS)
+    return {"averages": {NO_TOOL: float(bits.mean())}, "verdicts": {}}
+
+
+def choices(scene: Scene, agent: list[int]) -> Answer:
+    """What the agent could bring about from a cell."""
+    mdp, states = _around(scene, [_at(scene, (agent[0], agent[1]))])
+    state, sensor = int(states[0]), scene.sensed(mdp)
+    found = futures(mdp, state, scene.horizon, sensor, scene.action_indices, max_gib=GIB)
+    seen, labels = found.seen, found.observations
+    if scene.sensor == "state":
+        labels, place = np.unique(mdp.factor("object")[labels], return_inverse=True)
+        seen = np.bincount(place, seen, len(labels))
+    here = labels != ELSEWHERE
+    rows, columns = np.divmod(labels[here], scene.world.width)
+    return {
+        "bits": found.empowerment,
+        "gap": found.gap,
+        "things": [
+            list(thing)
+            for thing in zip(rows.tolist(), columns.tolist(), seen[here].tolist(), strict=True)
+        ],
+        "elsewhere": float(seen[~here].sum()),
+        "count": len(found.observations),
+    }
+
+
+def plan(scene: Scene) -> Answer:
+    """A shortest plan, and the placements that it passes through."""
+    mdp = tabulate(scene.world)
+    found = solve(mdp)
+    if found is None:
+        return {"steps": None, "return": None, "actions": None, "placements": None}
+    return {
+        "steps": found.steps,
+        "return": found.best_return,
+        "actions": list(found.actions),
+        "placements": [placed(placement(scene.world, mdp, state)) for state in found.states],
+    }
+
+
+def step(scene: Scene, at: dict[str, list[int]], action: int | None) -> Answer:
+    """What an action does in a placement, and what the placement reached is worth.
+
+    Args:
+        scene: the world, and what is measured.
+        at: the cells of agent, object and, with a tool, tool.
+        action: its index; `None` stays where it is.
+    """
+    world = scene.world
+    mdp, states = reachable(world, {name: (r, c) for name, (r, c) in at.items()}, 1)
+    state, reward, ended = int(states[0]), None, bool(mdp.terminal[states[0]])
+    if action is not None:
+        if not 0 <= action < mdp.action_count:
+            raise ValueError(f"action is {action}; use indices from 0 to {mdp.action_count - 1}")
+        if random.random() < scene.slip:
+            action = random.randrange(mdp.action_count)
+        reward = float(mdp.reward[state, action])
+        state = int(mdp.next_state[state, action])
+        ended = bool(mdp.terminal[state])
+    now = placement(world, mdp, state)
+    return {
+        "placement": placed(now),
+        "bits": float(_bits(scene, [placement_of(now, agent=now.agent)])[0]),
+        "equipped": bool(mdp.flags["equipped"][state]),
+        "attached": bool(mdp.flags["attached"][state]),
+        "reward": reward,
+        "ended": ended,
+    }
+
+
+def placed(world: World) -> dict[str, list[int] | None]:
+    """Where the things of a world are, as the page has it."""
+    places = placement_of(world, agent=world.agent)
+    return {name: list(places[name]) if name in places else None for name in _THINGS}
+
+
+_THINGS = ("agent", "tool", "object")
+
+
+def _at(scene: Scene, agent: tuple[int, int]) -> Placement:
+    return placement_of(scene.world, agent=agent)
+
+
+def _around(scene: Scene, places: list[Placement]) -> tuple[TabularMDP, np.ndarray]:
+    """What h actions from some placements can touch, and their states."""
+    mdp, states = reachable(scene.world, places, scene.horizon)
+    return mdp.slippery(scene.slip), states
+
+
+def _bits(scene: Scene, places: list[Placement]) -> np.ndarray:
+    mdp, states = _around(scene, places)
+    return empowerment(
+        mdp, scene.horizon, scene.sensed(mdp), scene.action_indices, states, **_OPTIONS
+    )
+
+
+@lru_cache(_KEPT)
+def _uncertain(scene: Scene) -> tuple[Problem, np.ndarray]:
+    """What the agent's cells have in common where chance has a part.
+
+    Raises:
+        ValueError: it takes longer than anybody waits; names the largest horizon that does not.
+    """
+    mdp, states = _around(scene, [_at(scene, place) for place in scene.agent_places()])
+    used, most = chosen_actions(mdp, scene.action_indices), most_entries(_LIMITS, 1)
+    problem = problem_of(mdp, scene.horizon, scene.sensed(mdp), used, _TOLERANCE, most)
+    check_effort(problem, states, 1, _LIMITS)
+    return problem, states
+
+
+STEPS: dict[str, Callable[..., Answer]] = {
+    one.__name__: one for one in (landscape, stretch, average, average_without, choices, plan, step)
+}
+"""What a process may be asked to do, by name."""
+
+
+def prepare(background: bool) -> None:
+    """Loads, or compiles the first time, what steps need: so that the first is no slower.
+
+    Args:
+        background: whether for steps that may take long.
+    """
+    world = World.parse("AP..\n.C.G\n....\n....")
+    for sensor in ("object", "state"):
+        landscape(Scene(world, sensor, horizon=2))
+        choices(Scene(world, sensor, horizon=2, slip=0.1 if background else 0.0), [0, 0])

@@ -1,0 +1,78 @@
+/** The WebSocket to the server: requests with numbers, answers to whoever asked. */
+
+import type { Common, Hello } from "./protocol";
+
+export type Status = "connecting" | "open" | "lost";
+
+export interface Asked {
+  readonly id: number;
+  /** Answers that still come are for nobody. */
+  forget(): void;
+}
+
+export interface Connection {
+  /** Sends a request; `on` gets every answer to it, until it is forgotten. */
+  ask<Answer extends Common>(
+    what: string,
+    body: object,
+    on: (answer: Answer) => void,
+  ): Asked;
+  /** Sends something about an earlier request, whose asker gets the answers. */
+  tell(asked: Asked, what: string): void;
+}
+
+const FIRST_WAIT = 400;
+const LONGEST_WAIT = 5000;
+
+/** Connects to the server that the page came from, and again whenever the line is lost. */
+export function connect(
+  onHello: (hello: Hello) => void,
+  onStatus: (status: Status) => void,
+): Connection {
+  const listeners = new Map<number, (answer: never) => void>();
+  let socket: WebSocket | null = null;
+  let last = 0;
+  let wait = FIRST_WAIT;
+
+  function open(): void {
+    onStatus("connecting");
+    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+    socket = new WebSocket(`${scheme}//${location.host}/ws${location.search}`);
+    socket.onmessage = (event) => receive(JSON.parse(String(event.data)));
+    socket.onclose = () => {
+      onStatus("lost");
+      listeners.clear();
+      setTimeout(open, wait);
+      wait = Math.min(2 * wait, LONGEST_WAIT);
+    };
+  }
+
+  function receive(message: (Common & { hello?: Hello }) | { hello: Hello }): void {
+    if (message.hello !== undefined) {
+      wait = FIRST_WAIT;
+      onStatus("open");
+      onHello(message.hello);
+      return;
+    }
+    const answer = message as Common;
+    const listener = listeners.get(answer.id) as ((answer: Common) => void) | undefined;
+    if (answer.overtaken || answer.error !== undefined) listeners.delete(answer.id);
+    if (!answer.overtaken) listener?.(answer);
+  }
+
+  function send(id: number, what: string, body: object): void {
+    if (socket?.readyState !== WebSocket.OPEN) return;
+    socket.send(JSON.stringify({ id, do: what, ...body }));
+  }
+
+  open();
+  return {
+    ask(what, body, on) {
+      const id = ++last;
+      listeners.set(id, on as (answer: never) => void);
+      send(id, what, body);
+      return { id, forget: () => listeners.delete(id) };
+    },
+    tell: (asked, what) => send(asked.id, what, {}),
+  };
+}

@@ -1,0 +1,98 @@
+/** Asks for the landscape and the averages of whatever scene is shown, the newest winning. */
+
+import type { Asked, Connection } from "./connection";
+import type { Grid, MeasureAnswer, Verdict } from "./protocol";
+import { message, type Scene } from "./scene";
+import type { Store } from "./store";
+
+export interface Measured {
+  /** What the values are of; null before the first. */
+  scene: Scene | null;
+  landscape: Grid | null;
+  least: number;
+  most: number;
+  averages: Record<string, number | null>;
+  /** Why there is no average, where there is none. */
+  why: string | null;
+  verdicts: Record<string, Verdict>;
+  /** The tools whose averages are of this scene; the others' are of the one before. */
+  compared: readonly string[];
+  /** Whether the values of what is shown are still to come; and how far that is, from 0 to 1. */
+  pending: boolean;
+  progress: number | null;
+  error: string | null;
+}
+
+export interface Measuring {
+  latest(): Measured;
+  watch(watcher: (measured: Measured) => void): void;
+  /** Asks anew, after the line was lost. */
+  again(): void;
+}
+
+const NOTHING: Measured = {
+  scene: null,
+  landscape: null,
+  least: 0,
+  most: 0,
+  averages: {},
+  why: null,
+  verdicts: {},
+  compared: [],
+  pending: true,
+  progress: null,
+  error: null,
+};
+
+export function createMeasuring(connection: Connection, store: Store): Measuring {
+  let measured = NOTHING;
+  let asked: Asked | null = null;
+  let due = false;
+  const watchers: ((measured: Measured) => void)[] = [];
+
+  function tell(next: Partial<Measured>): void {
+    measured = { ...measured, ...next };
+    for (const watcher of watchers) watcher(measured);
+  }
+
+  function ask(): void {
+    due = false;
+    const scene = store.scene();
+    asked = connection.ask<MeasureAnswer>("measure", { scene: message(scene) }, (answer) => {
+      if (answer.error !== undefined) {
+        tell({ ...NOTHING, error: answer.error, pending: false, scene });
+      } else if (answer.progress !== undefined) tell({ progress: answer.progress });
+      if (answer.landscape) {
+        const [least, most] = [answer.least ?? 0, answer.most ?? 0];
+        tell({ scene, landscape: answer.landscape, least, most, pending: false, progress: null, error: null });
+      }
+      if (answer.averages) {
+        tell({
+          averages: { ...measured.averages, ...answer.averages },
+          verdicts: { ...measured.verdicts, ...answer.verdicts },
+          why: answer.why ?? measured.why,
+          compared: [...measured.compared, ...Object.keys(answer.averages)],
+        });
+      }
+    });
+  }
+
+  /** What is shown is out of date now. Asks at most once a picture: dragging the mouse makes more events than can be seen. */
+  function soon(): void {
+    tell({ pending: true, progress: null, compared: [], why: null });
+    if (due) return;
+    due = true;
+    asked?.forget();
+    requestAnimationFrame(ask);
+  }
+
+  store.watch(soon);
+  return {
+    latest: () => measured,
+    watch(watcher) {
+      watchers.push(watcher);
+      watcher(measured);
+    },
+    again: soon,
+  };
+}

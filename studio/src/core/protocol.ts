@@ -1,0 +1,141 @@
+/** What the page and the server say to each other, as JSON over one WebSocket. */
+
+export type Cell = [row: number, column: number];
+export type Sensor = "state" | "object" | "tool" | "agent" | "cells";
+export type ActionSet = "all" | "moves" | "tool";
+
+/** A world and a question about it, as the server reads it. */
+export interface SceneMessage {
+  map: string;
+  tool: string;
+  sensor: Sensor;
+  cells: Cell[];
+  horizon: number;
+  actions: ActionSet;
+  slip: number;
+}
+
+/** Where things are; without a tool its place is null. */
+export interface Placement {
+  agent: Cell;
+  tool: Cell | null;
+  object: Cell;
+}
+
+export type Drawing = [path: string, fill: string][];
+
+/** What the server says first. */
+export interface Hello {
+  version: string;
+  worlds: Record<string, string>;
+  tools: string[];
+  tool_characters: Record<string, string>;
+  actions: string[];
+  limits: { side: [number, number]; horizon: number; slip: number; training: TrainingLimits };
+  shapes: Record<string, Drawing>;
+  run: RunAbout | null;
+}
+
+/** The most that a training may take. */
+export interface TrainingLimits {
+  runs: number;
+  episodes: number;
+  placements: number;
+  at_once: number;
+  waiting: number;
+}
+
+/** A trained run that the server can act out. */
+export interface RunAbout {
+  name: string;
+  /** By which a training of this visit is asked for; none of the folder's own run. */
+  asked?: string;
+  runs: number;
+  map: string;
+  tool: string;
+  config: Record<string, unknown>;
+}
+
+/** What any answer may have; nothing else is in it then. */
+export interface Common {
+  id: number;
+  error?: string;
+  progress?: number;
+  overtaken?: boolean;
+}
+
+export type Grid = (number | null)[][];
+
+export interface Verdict {
+  useful: boolean;
+  better_than_none: boolean;
+}
+
+export interface MeasureAnswer extends Common {
+  landscape?: Grid;
+  least?: number | null;
+  most?: number | null;
+  seconds?: number;
+  /** Null where it takes too long; then `why` says so. */
+  averages?: Record<string, number | null>;
+  why?: string;
+  verdicts?: Record<string, Verdict>;
+}
+
+export interface FuturesAnswer extends Common {
+  bits?: number;
+  things?: [row: number, column: number, probability: number][];
+  count?: number;
+}
+
+export interface SolveAnswer extends Common {
+  steps?: number | null;
+  actions?: number[];
+  placements?: Placement[];
+}
+
+export interface StepAnswer extends Common {
+  placement?: Placement;
+  bits?: number;
+  equipped?: boolean;
+  attached?: boolean;
+  reward?: number;
+  ended?: boolean;
+}
+
+/** The statistic of some runs and its interval, point by point. */
+export interface CurveData {
+  x: number[];
+  low: number[];
+  high: number[];
+  mean: number[];
+  runs: number;
+}
+
+export interface TrainAnswer extends Common {
+  curve?: CurveData | null;
+  /** Of all runs together. */
+  steps?: number;
+  episodes?: number;
+  share?: number;
+  steps_per_second?: number;
+  best_return?: number;
+  done?: { name: string; runs: number; converged_at: (number | null)[]; best_return: number };
+}
+
+export interface RunAnswer extends Common {
+  policy?: { episode: number[][]; cells: (number[] | null)[][] };
+  values?: Grid;
+  episode?: Episode;
+  curve?: CurveData | null;
+  best_return?: number;
+}
+
+/** What the most probable actions come to. */
+export interface Episode {
+  placements: Placement[];
+  actions: number[];
+  values: number[];
+  return: number;
+  finished: boolean;
+}

@@ -1,0 +1,75 @@
+/** How much each tool lets the agent do to the can, side by side, and what that says. */
+
+import type { App } from "../core/app";
+import { h } from "../core/elements";
+import type { Measured } from "../core/measuring";
+import type { Verdict } from "../core/protocol";
+import { drawingOf, icon } from "../draw/shapes";
+import { nameOfTool } from "./bar";
+
+export function createAverages({ hello, store, measuring }: App): HTMLElement {
+  const rows = new Map(
+    hello.tools.map((tool) => {
+      const bar = h("span", { class: "bar" });
+      const bits = h("span", { class: "bits" }, "–");
+      const picture = tool === "none" ? h("span", { class: "no-icon" }) : icon(drawingOf(tool), 22);
+      const name = h("span", { class: "name" }, nameOfTool(tool));
+      const track = h("span", { class: "track" }, bar);
+      const row = h("li", { "data-tool": tool }, picture, name, track, bits);
+      return [tool, { row, bar, bits }] as const;
+    }),
+  );
+  const verdict = h("p", { class: "verdict", id: "verdict", "aria-live": "polite" });
+  const waiting = h("p", { class: "quiet" }, "Bits at the can, over all its places.");
+
+  function show({ averages, verdicts, compared, error, why }: Measured): void {
+    const { tool } = store.scene();
+    const most = Math.max(...Object.values(averages).map((bits) => bits ?? 0), 1e-9);
+    for (const [name, { row, bar, bits }] of rows) {
+      const value = averages[name];
+      bits.textContent = value === undefined || value === null ? "–" : value.toFixed(2);
+      bar.style.setProperty("--share", String(Math.max((value ?? 0) / most, 0)));
+      row.classList.toggle("chosen", name === tool);
+      row.dataset.fresh = String(compared.includes(name));
+    }
+    const said = error ? [] : why !== null ? [why] : sentence(tool, averages, verdicts[tool]);
+    verdict.replaceChildren(...said);
+    verdict.dataset.kind = kindOf(why === null ? verdicts[tool] : undefined);
+  }
+
+  measuring.watch(show);
+  store.watch(() => show(measuring.latest()));
+  return h(
+    "div",
+    { class: "averages" },
+    h("h3", {}, "What a tool is worth"),
+    waiting,
+    h("ul", { class: "bars" }, ...[...rows.values()].map(({ row }) => row)),
+    verdict,
+  );
+}
+
+function kindOf(verdict: Verdict | undefined): string {
+  if (!verdict) return "none";
+  if (!verdict.useful) return "useless";
+  return verdict.better_than_none ? "useful" : "encumbers";
+}
+
+function sentence(
+  tool: string,
+  averages: Record<string, number | null>,
+  verdict: Verdict | undefined,
+): (Node | string)[] {
+  const name = nameOfTool(tool).toLowerCase();
+  const [own, bare] = [averages[tool], averages["none"]];
+  if (tool === "none") return ["Choose a tool to see whether it would help."];
+  if (!verdict || own == null || bare == null) return [];
+  if (!verdict.useful) {
+    return [h("strong", {}, `The ${name} is useless here`), ": with it, nothing can be done to the can."];
+  }
+  const apart = Math.abs(own - bare).toFixed(2);
+  if (verdict.better_than_none) {
+    return [h("strong", {}, `The ${name} helps`), `: ${apart} bits more than with bare hands.`];
+  }
+  return [h("strong", {}, `The ${name} encumbers`), `: ${apart} bits less than with bare hands.`];
+}

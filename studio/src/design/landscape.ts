@@ -1,0 +1,172 @@
+/** The values over the map; pointing at a cell shows what could be brought about from there. */
+
+import type { App } from "../core/app";
+import type { Asked } from "../core/connection";
+import { h } from "../core/elements";
+import type { Measured } from "../core/measuring";
+import type { Cell, FuturesAnswer, Sensor } from "../core/protocol";
+import { cellOf, indexOf, message, startOf } from "../core/scene";
+import { createBoard, same, type Mark } from "../draw/board";
+import { GRADIENT, scaleOf } from "../draw/heat";
+import { ARROWS, rowColumn } from "./editor";
+
+const HOVER_WAIT = 40;
+const HINT = "Point at a cell to see what could be brought about from there.";
+const HINT_CELLS = "Click cells to choose where the can is seen; point at one to see its futures.";
+
+const COUNTED: Record<Sensor, (count: number) => string> = {
+  object: (n) => `the can could be brought to ${n} ${n === 1 ? "place" : "places"}`,
+  tool: (n) => `the tool could be brought to ${n} ${n === 1 ? "place" : "places"}`,
+  agent: (n) => `the agent could be in ${n} ${n === 1 ? "place" : "places"}`,
+  state: (n) => `${n} different ${n === 1 ? "state" : "states"} of everything; marked: the can`,
+  cells: (n) => `${n} different ${n === 1 ? "sight" : "sights"} of the can`,
+};
+
+export function createLandscape({ connection, store, measuring }: App): HTMLElement {
+  const board = createBoard("The landscape: bits for every cell of the agent", "landscape-board");
+  const { picture } = board;
+  const told = h("p", { class: "told", id: "told", "aria-live": "polite" }, HINT);
+  const least = h("span", { id: "least" });
+  const most = h("span", { id: "most" });
+  const bar = h("span", { class: "scale-bar" });
+  bar.style.background = GRADIENT;
+  const scale = h("div", { class: "scale", role: "img" }, least, bar, most, h("span", {}, "bits"));
+  const progress = h("div", { class: "progress", role: "progressbar", "aria-label": "computing" });
+  const fault = h("p", { class: "fault", role: "alert", id: "fault" });
+
+  let hovered: Cell | null = null;
+  let marks: Mark[] | null = null;
+  let asked: Asked | null = null;
+  let timer = 0;
+  let painting: boolean | null = null;
+  let gesture = 0;
+
+  function draw(): void {
+    const scene = store.scene();
+    const { world, tool } = scene;
+    const { landscape, least, most, scene: of } = measuring.latest();
+    const fits = of?.world.height === world.height && of.world.width === world.width;
+    const grid = landscape && fits ? landscape : null;
+    board.draw({
+      height: world.height,
+      width: world.width,
+      walls: world.walls,
+      goal: cellOf(world, world.goal),
+      things: hovered && marks ? { ...startOf(scene), agent: hovered } : startOf(scene),
+      tool,
+      values: grid && { grid, scale: scaleOf(least, most) },
+      chosen: scene.sensor === "cells" ? scene.cells.map((cell) => cellOf(world, cell)) : [],
+      marks,
+      label: ([row, column]) => {
+        const bits = grid?.[row]?.[column] ?? null;
+        return `${rowColumn([row, column])}: ${bits === null ? "no value" : `${bits.toFixed(2)} bits`}`;
+      },
+    });
+  }
+
+  function tellOf({ pending, progress: share, error, landscape, ...values }: Measured): void {
+    picture.classList.toggle("waiting", pending);
+    progress.classList.toggle("going", pending);
+    progress.classList.toggle("measured", share !== null);
+    progress.style.setProperty("--share", String(share ?? 0));
+    fault.textContent = error ?? "";
+    told.hidden = error !== null;
+    scale.hidden = error !== null;
+    const there = landscape !== null;
+    least.textContent = there ? values.least.toFixed(2) : "";
+    most.textContent = there ? values.most.toFixed(2) : "";
+    picture.dataset.pending = String(pending);
+    draw();
+  }
+
+  function hint(): string {
+    return store.scene().sensor === "cells" ? HINT_CELLS : HINT;
+  }
+
+  function hover(cell: Cell | null): void {
+    if (hovered && cell && same(hovered, cell)) return;
+    hovered = cell;
+    clearTimeout(timer);
+    asked?.forget();
+    const bits = cell && (measuring.latest().landscape?.[cell[0]]?.[cell[1]] ?? null);
+    if (cell === null || bits === null) {
+      const had = marks !== null;
+      marks = null;
+      told.textContent = hint();
+      if (had) draw();
+      return;
+    }
+    timer = window.setTimeout(() => {
+      const body = { scene: message(store.scene()), agent: cell };
+      asked = connection.ask<FuturesAnswer>("futures", body, (answer) => show(cell, answer));
+    }, HOVER_WAIT);
+  }
+
+  function show(cell: Cell, { bits, things, count, error }: FuturesAnswer): void {
+    if (error !== undefined) told.textContent = error;
+    if (bits === undefined || things === undefined) return;
+    asked?.forget();
+    const likeliest = Math.max(...things.map(([, , probability]) => probability));
+    marks = things.map(([row, column, probability]) => ({
+      cell: [row, column],
+      weight: probability / likeliest,
+    }));
+    const words = COUNTED[store.scene().sensor](count ?? things.length);
+    told.replaceChildren(
+      `From ${rowColumn(cell)}: `,
+      h("strong", {}, `${bits.toFixed(2)} bits`),
+      `, ${words}.`,
+    );
+    draw();
+  }
+
+  function choose(cell: Cell, wanted?: boolean): void {
+    const { cells, world } = store.scene();
+    const at = indexOf(world, cell);
+    const has = cells.includes(at);
+    if (has === wanted) return;
+    const next = has ? cells.filter((other) => other !== at) : [...cells, at].sort((a, b) => a - b);
+    store.change({ cells: next }, painting === null ? undefined : `choose ${gesture}`);
+  }
+
+  const choosing = () => store.scene().sensor === "cells";
+  picture.addEventListener("pointerdown", (event) => {
+    const cell = board.cellAt(event);
+    if (cell === null) return;
+    board.moveCursor(cell);
+    if (!choosing()) return hover(cell);
+    picture.setPointerCapture(event.pointerId);
+    gesture += 1;
+    painting = !store.scene().cells.includes(indexOf(store.scene().world, cell));
+    choose(cell, painting);
+  });
+  picture.addEventListener("pointermove", (event) => {
+    const cell = board.cellAt(event);
+    if (painting !== null) {
+      if (cell) choose(cell, painting);
+    } else hover(cell);
+  });
+  picture.addEventListener("pointerup", () => (painting = null));
+  picture.addEventListener("pointercancel", () => (painting = null));
+  picture.addEventListener("pointerleave", () => hover(null));
+  picture.addEventListener("focus", () => picture.matches(":focus-visible") && hover(board.cursor()));
+  picture.addEventListener("blur", () => hover(null));
+  picture.addEventListener("keydown", (event) => {
+    const step = ARROWS[event.key];
+    if (step && !event.ctrlKey) {
+      const [row, column] = board.cursor();
+      board.moveCursor([row + step[0], column + step[1]]);
+      hover(board.cursor());
+    } else if ((event.key === " " || event.key === "Enter") && choosing()) choose(board.cursor());
+    else return;
+    event.preventDefault();
+  });
+
+  measuring.watch(tellOf);
+  store.watch(() => {
+    marks = hovered = null;
+    told.textContent = hint();
+    draw();
+  });
+  return h("div", { class: "landscape" }, progress, board.element, scale, told, fault);
+}

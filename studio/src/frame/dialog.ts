@@ -1,0 +1,18 @@
+/** A window over the page; Escape and a click beside it close it. */
+
+import { h, type Child } from "../core/elements";
+import { iconButton } from "./widgets";
+
+export function openDialog(title: string, ...children: Child[]): () => void {
+  const dialog = h("dialog", { "aria-label": title });
+  const close = () => dialog.close();
+  dialog.append(
+    h("div", { class: "dialog-head" }, h("h2", {}, title), iconButton("close", "Close", close)),
+    ...children.filter((child) => child !== null),
+  );
+  dialog.addEventListener("click", (event) => event.target === dialog && close());
+  dialog.addEventListener("close", () => dialog.remove());
+  document.body.append(dialog);
+  dialog.showModal();
+  return close;
+}

@@ -1,0 +1,129 @@
+/** Around the views: the name, the tabs, the idea in ten words, link, theme and help. */
+
+import type { App, View } from "../core/app";
+import type { Status } from "../core/connection";
+import { h, set } from "../core/elements";
+import { openHelp } from "./help";
+import { createThemeSwitch } from "./theme";
+import { iconButton, notice } from "./widgets";
+
+export interface Frame {
+  readonly element: HTMLElement;
+  view(): string;
+  open(view: string): void;
+  showStatus(status: Status): void;
+}
+
+const IDEA = "Empowerment: how many different futures an agent can choose among.";
+const STATUS: Record<Status, string> = {
+  connecting: "connecting…",
+  open: "",
+  lost: "The server is gone; trying again…",
+};
+
+export function createFrame(
+  { hello, store }: App,
+  views: Record<string, View>,
+  onView: () => void,
+): Frame {
+  const names = Object.keys(views);
+  let current = "";
+  const tabs = names.map((name) =>
+    h(
+      "button",
+      {
+        type: "button",
+        role: "tab",
+        id: `tab-${name}`,
+        "aria-controls": `view-${name}`,
+        onclick: () => open(name),
+      },
+      name[0]!.toUpperCase() + name.slice(1),
+    ),
+  );
+  const panels = names.map((name) =>
+    h(
+      "div",
+      { id: `view-${name}`, role: "tabpanel", "aria-labelledby": `tab-${name}`, hidden: true },
+      views[name]!.element,
+    ),
+  );
+  const line = h("p", { class: "status", role: "status" });
+  const list = h("div", { class: "tabs", role: "tablist", "aria-label": "Views" }, ...tabs);
+  list.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (step === undefined) return;
+    const next = names[(names.indexOf(current) + step + names.length) % names.length]!;
+    open(next);
+    tabs[names.indexOf(next)]!.focus();
+    event.stopPropagation();
+    event.preventDefault();
+  });
+
+  function open(name: string): void {
+    const next = names.includes(name) ? name : names[0]!;
+    if (next === current) return;
+    views[current]?.left?.();
+    current = next;
+    names.forEach((other, k) => {
+      set(tabs[k]!, "aria-selected", String(other === next));
+      set(tabs[k]!, "tabindex", other === next ? 0 : -1);
+      panels[k]!.hidden = other !== next;
+    });
+    views[next]!.entered?.();
+    onView();
+  }
+
+  async function share(): Promise<void> {
+    try {
+      await navigator.clipboard.writeText(location.href);
+      notice("The link to exactly this is copied");
+    } catch {
+      notice("The link to exactly this is in the address bar");
+    }
+  }
+
+  addEventListener("keydown", (event) => {
+    const target = event.target as Element;
+    const typing = target.closest("textarea, dialog, input[type=number]") !== null;
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !typing) {
+      if (event.shiftKey) store.redo();
+      else store.undo();
+      event.preventDefault();
+    } else if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    else if (event.key === "?") openHelp(hello);
+    else if (/^[1-4]$/.test(event.key) && !target.closest("input, select")) {
+      open(names[Number(event.key) - 1]!);
+    }
+  });
+
+  const element = h(
+    "div",
+    { class: "frame" },
+    h(
+      "header",
+      { class: "top" },
+      h("h1", {}, "Habilis ", h("span", {}, "studio")),
+      list,
+      h("p", { class: "idea" }, IDEA),
+      h(
+        "div",
+        { class: "icons" },
+        iconButton("link", "Copy the link to this", share, "share"),
+        createThemeSwitch(),
+        iconButton("help", "What is this? (?)", () => openHelp(hello), "help"),
+      ),
+    ),
+    line,
+    h("main", {}, ...panels),
+  );
+  return {
+    element,
+    view: () => current,
+    open,
+    showStatus(status) {
+      line.textContent = STATUS[status];
+      line.hidden = status === "open";
+    },
+  };
+}

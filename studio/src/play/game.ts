@@ -1,0 +1,182 @@
+/** A game from the map's start: each action is asked of the server, one after the other. */
+
+import type { App } from "../core/app";
+import type { Placement, SolveAnswer, StepAnswer } from "../core/protocol";
+import { indexOf, message, startOf, type Scene } from "../core/scene";
+
+export interface Game {
+  placement: Placement;
+  /** At the start and after every step; null while it is not known. */
+  bits: (number | null)[];
+  equipped: boolean;
+  attached: boolean;
+  ended: boolean;
+  error: string | null;
+}
+
+export interface Player {
+  game(): Game;
+  act(action: number): void;
+  reset(): void;
+  /** Acts out a shortest plan from here; `false` to `told` if there is none. */
+  showPlan(told: (steps: number | null) => void): void;
+  showing(): boolean;
+  stop(): void;
+  /** Whether anybody looks; only then is the server asked what the start is worth. */
+  seen(seen: boolean): void;
+}
+
+const WAITING = 6; // actions that are not lost while the server thinks
+const PACE = 320; // milliseconds a step of the plan takes
+
+export function createPlayer({ connection, store }: App, onChange: () => void): Player {
+  let game = fresh(store.scene());
+  let queue: number[] = [];
+  let busy = false;
+  let turn = 0; // of the games: answers to an earlier one are for nobody
+  let plan: number[] | null = null;
+  let timer = 0;
+  let looking = false;
+
+  function fresh(scene: Scene): Game {
+    return {
+      placement: startOf(scene),
+      bits: [null],
+      equipped: false,
+      attached: false,
+      ended: false,
+      error: null,
+    };
+  }
+
+  function reset(): void {
+    turn += 1;
+    [queue, busy] = [[], false];
+    stop();
+    game = fresh(store.scene());
+    if (looking) askStart();
+    onChange();
+  }
+
+  function askStart(): void {
+    const of = turn;
+    const body = { scene: message(store.scene()), placement: game.placement, action: null };
+    const asked = connection.ask<StepAnswer>("step", body, (answer) => {
+      if (of !== turn || answer.progress !== undefined) return;
+      asked.forget();
+      game = {
+        ...game,
+        bits: game.bits.with(0, answer.bits ?? null),
+        equipped: game.bits.length > 1 ? game.equipped : (answer.equipped ?? false),
+        attached: game.bits.length > 1 ? game.attached : (answer.attached ?? false),
+        error: answer.error ?? game.error,
+      };
+      onChange();
+    });
+  }
+
+  function next(): void {
+    const action = queue.shift();
+    if (action === undefined || busy || game.ended) return;
+    busy = true;
+    const of = turn;
+    const body = { scene: message(store.scene()), placement: game.placement, action };
+    const asked = connection.ask<StepAnswer>("step", body, (answer) => {
+      if (of !== turn) return;
+      if (answer.progress !== undefined) return;
+      asked.forget();
+      busy = false;
+      if (answer.error !== undefined) {
+        stop();
+        game = { ...game, error: answer.error };
+      } else {
+        game = {
+          placement: answer.placement ?? game.placement,
+          bits: [...game.bits, answer.bits ?? null],
+          equipped: answer.equipped ?? false,
+          attached: answer.attached ?? false,
+          ended: answer.ended ?? false,
+          error: null,
+        };
+      }
+      onChange();
+      next();
+    });
+  }
+
+  function act(action: number): void {
+    if (game.ended || queue.length >= WAITING) return;
+    queue.push(action);
+    next();
+  }
+
+  function stop(): void {
+    plan = null;
+    clearTimeout(timer);
+  }
+
+  function showPlan(told: (steps: number | null) => void): void {
+    const scene = store.scene();
+    const here = sceneAt(scene, game.placement);
+    if (game.ended || here === null) reset();
+    const from = here !== null && !game.ended ? here : scene;
+    const of = turn;
+    const asked = connection.ask<SolveAnswer>("solve", { scene: message(from) }, (answer) => {
+      if (of !== turn || answer.progress !== undefined) return;
+      asked.forget();
+      if (answer.error !== undefined) {
+        game = { ...game, error: answer.error };
+        return onChange();
+      }
+      told(answer.steps ?? null);
+      if (answer.steps === null) return;
+      plan = [...(answer.actions ?? [])];
+      follow();
+    });
+    plan = [];
+  }
+
+  /** The plan's next step, once the server has answered the one before. */
+  function follow(): void {
+    if (busy) {
+      timer = window.setTimeout(follow, PACE);
+      return;
+    }
+    const action = plan?.shift();
+    if (action === undefined) {
+      stop();
+      return onChange();
+    }
+    act(action);
+    timer = window.setTimeout(follow, PACE);
+  }
+
+  store.watch((_, before) => before && reset());
+  return {
+    game: () => game,
+    act(action) {
+      if (plan !== null) stop();
+      act(action);
+    },
+    reset,
+    showPlan,
+    showing: () => plan !== null,
+    stop,
+    seen(seen) {
+      looking = seen;
+      if (!seen) stop();
+      else if (game.bits[0] === null) askStart();
+    },
+  };
+}
+
+/** The scene with its things there; null if a map cannot say it, with something on the bin. */
+function sceneAt(scene: Scene, placement: Placement): Scene | null {
+  const { world } = scene;
+  const agent = indexOf(world, placement.agent);
+  const object = indexOf(world, placement.object);
+  const tool = placement.tool === null ? world.tool : indexOf(world, placement.tool);
+  if ([agent, object, tool].includes(world.goal)) return null;
+  const hidden = placement.tool === null && (tool === agent || tool === object);
+  return { ...scene, world: { ...world, agent, object, tool: hidden ? null : tool } };
+}

@@ -1,0 +1,144 @@
+/** Play: the arrow keys move the agent, W A S D the tool, and the bits are drawn as one goes. */
+
+import type { App, View } from "../core/app";
+import { h } from "../core/elements";
+import { cellOf } from "../core/scene";
+import { createBoard } from "../draw/board";
+import { createChart } from "../draw/chart";
+import { button, card, notice, rename } from "../frame/widgets";
+import { rowColumn } from "../design/editor";
+import { createPlayer } from "./game";
+
+const KEYS: Record<string, number> = {
+  ArrowUp: 0, ArrowRight: 1, ArrowDown: 2, ArrowLeft: 3, w: 4, d: 5, s: 6, a: 7,
+};
+const CAPS = [["↑", "→", "↓", "←"], ["W", "D", "S", "A"]] as const;
+const SIDES = ["north", "east", "south", "west"];
+
+export function createPlay(app: App): View {
+  const { store } = app;
+  const board = createBoard("The world being played", "play-board", true);
+  const chart = createChart("Bits from step to step", "bits-chart");
+  const now = h("span", { class: "number", id: "bits-now" }, "–");
+  const state = h("p", { class: "quiet", id: "play-state", "aria-live": "polite" });
+  const plan = h("p", { class: "quiet", id: "plan" });
+  const player = createPlayer(app, draw);
+  let active = false;
+
+  const show = button("Show me", () => {
+    if (player.showing()) player.stop();
+    else player.showPlan(tellPlan);
+    draw();
+  }, { id: "show-me", kind: "primary", sign: "play" });
+  const reset = button("Start again", player.reset, { id: "reset", sign: "reset" });
+
+  function tellPlan(steps: number | null): void {
+    if (steps === null) notice("The can cannot be brought to the bin from here");
+    plan.textContent = steps === null
+      ? "No plan: the bin is out of reach."
+      : `Shortest plan from there: ${steps} ${steps === 1 ? "step" : "steps"}.`;
+  }
+
+  const pads = CAPS.map((caps, of) =>
+    h(
+      "div",
+      { class: "pad", role: "group", "aria-label": of ? "Put the tool" : "Move the agent" },
+      ...caps.map((cap, side) =>
+        h(
+          "button",
+          {
+            type: "button",
+            class: `key ${SIDES[side]}`,
+            "aria-label": `${of ? "tool" : "agent"} ${SIDES[side]}`,
+            onclick: () => player.act(4 * of + side),
+          },
+          cap,
+        ),
+      ),
+      h("span", { class: "pad-name" }, of ? "tool" : "agent"),
+    ),
+  );
+
+  function draw(): void {
+    const scene = store.scene();
+    const { world, tool } = scene;
+    const { placement, bits, equipped, attached, ended, error } = player.game();
+    board.draw({
+      height: world.height,
+      width: world.width,
+      walls: world.walls,
+      goal: cellOf(world, world.goal),
+      things: placement,
+      tool,
+      label: rowColumn,
+    });
+    const steps = bits.length - 1;
+    const last = bits.at(-1) ?? null;
+    now.textContent = last === null ? "–" : last.toFixed(2);
+    const known = bits.map((value, step) => [step, value] as const).filter(([, b]) => b !== null);
+    chart.draw({
+      lines: [{ label: "bits", x: known.map(([k]) => k), y: known.map(([, b]) => b!), kind: 0 }],
+      xLabel: "step",
+      yLabel: "bits",
+      steps: false,
+      xMost: Math.max(10, steps),
+      yLeast: 0,
+      yMost: Math.max(1, ...known.map(([, b]) => b!)),
+      empty: "",
+    });
+    const hand = attached ? "the can is attached" : equipped ? "the tool is in hand" : "";
+    const after = `${steps} ${steps === 1 ? "step" : "steps"}`;
+    state.textContent = error ?? (ended ? `The can is in the bin after ${after}.` : [after, hand].filter(Boolean).join(" · "));
+    state.classList.toggle("fault", error !== null);
+    state.classList.toggle("good", ended);
+    pads[1]!.classList.toggle("off", tool === "none");
+    for (const key of pads[1]!.querySelectorAll("button")) key.disabled = tool === "none";
+    if (player.showing()) rename(show, "Stop", "stop");
+    else rename(show, "Show me", "play");
+    if (!steps && !player.showing()) plan.textContent = "";
+  }
+
+  addEventListener("keydown", (event) => {
+    if (!active || event.ctrlKey || event.metaKey || event.altKey) return;
+    const target = event.target as Element;
+    if (target.closest("input, select, textarea, dialog")) return;
+    const action = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (action !== undefined && !(action > 3 && store.scene().tool === "none")) player.act(action);
+    else if (event.key === "r") player.reset();
+    else return;
+    event.preventDefault();
+  });
+
+  draw();
+  const element = h(
+    "div",
+    { class: "view play" },
+    card(
+      "Game",
+      "world",
+      h("div", { class: "card-head" }, h("h2", {}, "Play"), h("span", { class: "quiet" }, "bring the can to the bin")),
+      board.element,
+      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, show, reset), plan),
+    ),
+    card(
+      "Empowerment",
+      "side",
+      h("div", { class: "reading" }, now, h("span", { class: "unit" }, "bits here"), state),
+      chart.element,
+      h("div", { class: "pads" }, ...pads),
+    ),
+  );
+  return {
+    element,
+    entered() {
+      active = true;
+      player.seen(true);
+      board.picture.focus({ preventScroll: true });
+      draw();
+    },
+    left() {
+      active = false;
+      player.seen(false);
+    },
+  };
+}

@@ -1,0 +1,209 @@
+/** Run: a trained agent acted out, with what it thinks of every action and every cell. */
+
+import type { App, View } from "../core/app";
+import { h } from "../core/elements";
+import type { RunAnswer } from "../core/protocol";
+import { cellOf } from "../core/scene";
+import { parseMap } from "../core/world";
+import { createBoard } from "../draw/board";
+import { createChart } from "../draw/chart";
+import { GRADIENT, scaleOf } from "../draw/heat";
+import { rowColumn } from "../design/editor";
+import { button, card, rename, segmented, select, slider } from "../frame/widgets";
+
+const PACE = 420;
+const SHOWN = { policy: ["Policy"], values: ["Values"], both: ["Both"] };
+
+export function createRun({ hello, connection, acted }: App): View {
+  const board = createBoard("The agent at work", "run-board", true);
+  const chart = createChart("Learning curve of the run", "run-curve");
+  const title = h("h2", {}, "Run");
+  const told = h("p", { class: "quiet", id: "run-told", "aria-live": "polite" });
+  const bars = h("ul", { class: "bars actions", id: "action-bars" });
+  const index = h("span", { class: "run-index" });
+  const [low, high] = [h("span"), h("span")];
+  const bar = h("span", { class: "scale-bar" });
+  bar.style.background = GRADIENT;
+  const scale = h("div", { class: "scale" }, low, bar, high, h("span", { class: "scale-name" }, "value, with tool and can as they start"));
+  let answer: RunAnswer | null = null;
+  let shown: keyof typeof SHOWN = "both";
+  let step = 0;
+  let timer = 0;
+  let active = false;
+
+  const layers = segmented("Shown", SHOWN, (chosen) => {
+    shown = chosen;
+    draw();
+  });
+  layers.show(shown);
+  const steps = slider("Step", { id: "step", least: 0, most: 1, step: 1 }, String, (value) => {
+    stop();
+    step = value;
+    draw();
+  });
+  const play = button("Play", () => (timer ? stop() : go()), { id: "run-play", kind: "primary", sign: "play" });
+
+  function load(which: number): void {
+    stop();
+    told.textContent = "Acting it out…";
+    const name = acted.current()?.asked;
+    const body = name === undefined ? { index: which } : { index: which, name };
+    const asked = connection.ask<RunAnswer>("run", body, (next) => {
+      if (next.progress !== undefined) return;
+      asked.forget();
+      if (next.error !== undefined) {
+        told.textContent = next.error;
+        return;
+      }
+      [answer, step] = [next, 0];
+      steps.input.max = String(Math.max(1, last()));
+      draw();
+      if (active) go();
+    });
+  }
+
+  const last = () => (answer?.episode?.placements.length ?? 1) - 1;
+
+  function go(): void {
+    if (step >= last()) step = 0;
+    const forward = () => {
+      step += 1;
+      draw();
+      if (step >= last()) stop();
+    };
+    clearInterval(timer);
+    timer = window.setInterval(forward, PACE);
+    draw();
+  }
+
+  function stop(): void {
+    clearInterval(timer);
+    timer = 0;
+    draw();
+  }
+
+  function draw(): void {
+    const about = acted.current();
+    if (timer) rename(play, "Pause", "pause");
+    else rename(play, "Play", "play");
+    if (about === null || !answer?.episode) return;
+    const { world } = parseMap(about.map);
+    const placement = answer.episode.placements[step]!;
+    const values = answer.values?.flat().filter((value) => value !== null) ?? [];
+    const ends = scaleOf(Math.min(...values), Math.max(...values));
+    const withValues = shown !== "policy" && values.length > 0;
+    board.draw({
+      height: world.height,
+      width: world.width,
+      walls: world.walls,
+      goal: cellOf(world, world.goal),
+      things: about.tool === "none" ? { ...placement, tool: null } : placement,
+      tool: about.tool,
+      values: withValues
+        ? { grid: answer.values!, scale: ends, unlabelled: shown === "both" }
+        : null,
+      arrows: shown === "values" ? null : (answer.policy?.cells ?? null),
+      now: step < last() ? (answer.policy?.episode[step] ?? null) : null,
+      label: rowColumn,
+    });
+    scale.hidden = !withValues;
+    [low.textContent, high.textContent] = [ends.low, ends.high].map((end) =>
+      end.toFixed(1).replace("-", "−"),
+    ) as [string, string];
+    steps.show(step);
+    drawBars(answer.policy?.episode[step] ?? null, answer.episode.actions[step]);
+    const length = answer.episode.actions.length;
+    const { finished, return: worth } = answer.episode;
+    const best = answer.best_return ?? worth;
+    const outcome = finished
+      ? `the can is in the bin: return ${signed(worth)}, the best possible is ${signed(best)}`
+      : "and it goes in circles: the can never gets to the bin";
+    told.textContent = `${length} ${length === 1 ? "step" : "steps"}, ${outcome}.`;
+    const curve = answer.curve;
+    chart.draw({
+      lines: curve ? [{ label: about.name, x: curve.x, y: curve.mean, low: curve.low, high: curve.high, kind: 0 }] : [],
+      xLabel: "episodes",
+      yLabel: "return",
+      level: answer.best_return === undefined ? null : { y: answer.best_return, label: "best possible" },
+      squeezed: true,
+      yMost: 0,
+      empty: "There is no curve yet.",
+    });
+  }
+
+  function drawBars(probabilities: number[] | null, taken: number | undefined): void {
+    bars.replaceChildren(
+      ...(probabilities ?? []).map((probability, action) => {
+        const fill = h("span", { class: "bar" });
+        fill.style.setProperty("--share", String(probability));
+        return h(
+          "li",
+          { class: action === taken ? "chosen" : "" },
+          h("span", { class: "name" }, hello.actions[action] ?? String(action)),
+          h("span", { class: "track" }, fill),
+          h("span", { class: "bits" }, `${Math.round(100 * probability)} %`),
+        );
+      }),
+    );
+  }
+
+  const full = h(
+    "div",
+    { class: "view run" },
+    card(
+      "Episode",
+      "world",
+      h("div", { class: "card-head" }, title, index),
+      board.element,
+      scale,
+      h("div", { class: "card-foot" }, play, layers.element),
+      steps.element,
+    ),
+    card(
+      "What it learned",
+      "side",
+      h("h3", {}, "What it would do"),
+      bars,
+      told,
+      h("h3", {}, "How it learned"),
+      chart.element,
+    ),
+  );
+  const empty = h(
+    "div",
+    { class: "nothing" },
+    h("h2", {}, "Nothing has been trained yet"),
+    h("p", {}, "Train an agent in this page, or start the studio with a folder that habilis train wrote:"),
+    h("code", {}, "habilis studio FOLDER"),
+  );
+  const element = h("div", { class: "run-place" }, empty, full);
+
+  acted.watch((about) => {
+    empty.hidden = about !== null;
+    full.hidden = about === null;
+    if (about === null) return;
+    answer = null;
+    title.textContent = title.title = about.name;
+    const runs = Object.fromEntries(
+      Array.from({ length: about.runs }, (_, k) => [String(k), `run ${k + 1} of ${about.runs}`]),
+    );
+    index.replaceChildren(select("Which run", runs, (which) => load(Number(which))));
+    if (active) load(0);
+  });
+  return {
+    element,
+    entered() {
+      active = true;
+      if (acted.current() !== null && answer === null) load(0);
+      else draw();
+    },
+    left() {
+      active = false;
+      stop();
+    },
+  };
+}
+
+function signed(value: number): string {
+  return value.toFixed(0).replace("-", "−");
+}

@@ -1,0 +1,104 @@
+/** Train: the library's own trainer on the world that is shown, its curves as they come in. */
+
+import type { App, View } from "../core/app";
+import { h } from "../core/elements";
+import { createChart } from "../draw/chart";
+import { button, card } from "../frame/widgets";
+import { createForm } from "./form";
+import { createTrainings, type Training } from "./trainings";
+
+export function createTrain(app: App, openRun: () => void): View {
+  const form = createForm(app);
+  const chart = createChart("Learning curves", "curves");
+  const list = h("ul", { class: "trainings", id: "trainings" });
+  const trainings = createTrainings(app, draw);
+
+  const start = button("Start", () => trainings.begin(form.settings()), {
+    id: "start", kind: "primary", sign: "play",
+  });
+  const stop = button("Stop", trainings.stop, { id: "stop", sign: "stop" });
+
+  function draw(): void {
+    const going = trainings.running();
+    start.disabled = going !== null;
+    stop.disabled = going === null || going.stopped;
+    const drawn = trainings.all().filter(({ line }) => line !== null);
+    const best = drawn.find((training) => training.best !== null)?.best ?? null;
+    chart.draw({
+      lines: drawn
+        .filter(({ curve }) => curve !== null)
+        .map(({ curve, label, line }) => ({
+          label,
+          x: curve!.x, y: curve!.mean, low: curve!.low, high: curve!.high,
+          kind: line!,
+        })),
+      xLabel: "episodes (moving average over 100)",
+      yLabel: "return",
+      level: best === null ? null : { y: best, label: "best possible" },
+      squeezed: true,
+      ...(best === null ? {} : { yMost: 0 }),
+      empty: going ? "The first episodes are on their way…" : "Choose a reward and press Start.",
+    });
+    list.replaceChildren(...trainings.all().toReversed().map(rowOf));
+  }
+
+  function rowOf(training: Training): HTMLElement {
+    const { label, line, error, done, share } = training;
+    const check = h("input", {
+      type: "checkbox",
+      checked: line !== null,
+      "aria-label": `Draw: ${label}`,
+      onchange: () => trainings.toggle(training),
+    });
+    const bar = h("span", { class: "track" }, h("span", { class: "bar" }));
+    bar.style.setProperty("--share", String(share));
+    return h(
+      "li",
+      { class: `training ${line === null ? "" : `k${line}`}` },
+      check,
+      h("span", { class: "swatch", "aria-hidden": "true" }),
+      h("span", { class: "name" }, label),
+      h("span", { class: error ? "fault" : "quiet" }, error ?? wordsOn(training)),
+      done
+        ? button("Watch", () => (trainings.watch(training), openRun()), { kind: "small" })
+        : error === null ? bar : null,
+    );
+  }
+
+  draw();
+  const element = h(
+    "div",
+    { class: "view train" },
+    card(
+      "Settings",
+      "side",
+      h("div", { class: "card-head" }, h("h2", {}, "Train")),
+      form.element,
+      h("div", { class: "buttons" }, start, stop),
+      h("p", { class: "quiet" }, "On the world as it is drawn, from its start."),
+    ),
+    card(
+      "Curves",
+      "curves",
+      h("div", { class: "card-head" }, h("h2", {}, "Learning curves"), h("span", { class: "quiet" }, "mean over runs, shaded: 95 % interval")),
+      chart.element,
+      list,
+    ),
+  );
+  return { element, entered: draw };
+}
+
+function wordsOn({ done, stopped, steps, episodes, curve, settings }: Training): string {
+  const last = curve?.mean.at(-1);
+  const now = last === undefined ? "" : `return ${last.toFixed(1).replace("-", "−")}`;
+  const count = (value: number) => Math.round(value).toLocaleString("en-GB");
+  const so = `${count(episodes / settings.runs)} episodes`;
+  if (!done && stopped) return "stopping…";
+  if (!done) return steps ? [now, so, `${count(steps)} steps`].filter(Boolean).join(" · ") : "starting…";
+  const converged = done.converged_at.filter((at) => at !== null);
+  const mean = converged.reduce((sum, at) => sum + at, 0) / converged.length;
+  const end = converged.length
+    ? `${converged.length} of ${settings.runs} converged, after ${count(mean)} episodes`
+    : stopped ? `stopped after ${so}` : `none of ${settings.runs} converged`;
+  return [now, end].filter(Boolean).join(" · ");
+}

@@ -1,0 +1,247 @@
+"""What the studio answers is what the library says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from studio import page, scene, studio
+
+import habilis as hb
+from habilis.empowerment.futures import futures
+from habilis.empowerment.measures import compare
+from habilis.empowerment.usefulness import usefulness
+
+WALLED = hb.World.parse("AP...\n.#C..\n.#..#\n....G", "map")
+
+
+@pytest.fixture(scope="module")
+def address():
+    with studio() as address:
+        yield address
+
+
+@pytest.fixture
+def there(address):
+    with page(address) as there:
+        yield there
+
+
+def values(answer):
+    return np.array([[np.nan if v is None else v for v in row] for row in answer["landscape"]])
+
+
+def test_a_page_is_told_what_there_is(there):
+    assert there.hello["version"] == hb.__version__
+    assert there.hello["tools"] == ["picker", "broom", "none"]
+    assert there.hello["tool_characters"] == {"P": "picker", "B": "broom"}
+    assert there.hello["limits"]["side"] == [4, 30]
+    assert len(there.hello["actions"]) == 8
+    for name, text in there.hello["worlds"].items():
+        assert hb.World.parse(text).walls == hb.load_world(name).walls
+    path, fill = there.hello["shapes"]["can"][0]
+    assert path.startswith("M")
+    assert fill.startswith("#")
+
+
+@pytest.mark.parametrize("tool", ["picker", "broom", "none"])
+@pytest.mark.parametrize("sensor", ["state", "object", "agent"])
+@pytest.mark.parametrize("horizon", [0, 1, 4])
+def test_a_landscape_is_the_librarys(there, tool, sensor, horizon):
+    world = WALLED.with_tool(tool)
+    answer = there.ask("measure", scene=scene(world, sensor=sensor, horizon=horizon))
+    wanted = hb.landscape(world, horizon, sensor).values
+    assert np.array_equal(values(answer), wanted, equal_nan=True)
+    assert (answer["least"], answer["most"]) == (np.nanmin(wanted), np.nanmax(wanted))
+
+
+@pytest.mark.parametrize(("actions", "indices"), [("moves", range(4)), ("tool", range(4, 8))])
+def test_actions_are_those_that_are_chosen(there, actions, indices):
+    world = hb.load_world("corridor")
+    answer = there.ask("measure", scene=scene(world, sensor="object", horizon=5, actions=actions))
+    wanted = hb.landscape(world, 5, "object", list(indices)).values
+    assert np.array_equal(values(answer), wanted, equal_nan=True)
+
+
+def test_chosen_cells_are_told_apart_and_all_others_are_one(there):
+    mdp = hb.tabulate(WALLED)
+    cells = [mdp.label((1, 2)), mdp.label((1, 3))]
+    labels = np.where(np.isin(mdp.factor("object"), cells), mdp.factor("object"), -1)
+    asked = scene(WALLED, sensor="cells", cells=[[1, 2], [1, 3]], horizon=4)
+    wanted = hb.landscape(WALLED, 4, labels, mdp=mdp).values
+    assert np.array_equal(values(there.ask("measure", scene=asked)), wanted, equal_nan=True)
+    seen = there.ask("futures", scene=asked, agent=[0, 2])
+    probability = {(r, c): p for r, c, p in seen["things"]}
+    assert set(probability) <= {(1, 2), (1, 3)}
+    assert sum(probability.values()) + seen["elsewhere"] == pytest.approx(1)
+
+
+def test_chance_has_its_part_in_a_landscape(there):
+    world = WALLED.with_tool("none")
+    progress = []
+    number = there.send("measure", scene=scene(world, sensor="object", horizon=2, slip=0.2))
+    for answer in there.answers(number):
+        if "landscape" in answer:
+            break
+        progress.append(answer["progress"])
+    wanted = hb.landscape(world, 2, "object", slip=0.2).values
+    assert np.allclose(values(answer), wanted, atol=1e-6, equal_nan=True)
+    assert progress == sorted(progress)
+    assert progress[-1] == 1
+
+
+def test_averages_and_verdicts_are_the_librarys(there):
+    world = hb.load_world("yard")
+    number = there.send("measure", scene=scene(world, horizon=3))
+    averages, verdicts = {}, {}
+    for answer in there.answers(number):
+        averages |= answer.get("averages", {})
+        verdicts |= answer.get("verdicts", {})
+        if len(averages) == 3 and len(verdicts) == 2:
+            break
+    assert averages == compare(world, ["picker", "broom", "none"], 3)
+    for tool, verdict in verdicts.items():
+        judged = usefulness(world.with_tool(tool), 3)
+        assert verdict["useful"] == judged.useful_on_average
+        assert verdict["better_than_none"] == judged.better_than_none_on_average
+
+
+def test_a_map_without_a_tool_has_the_average_of_the_bare_agent(there):
+    world = hb.World.parse("AC..\n....\n....\n...G")
+    answers = there.answers(there.send("measure", scene=scene(world)))
+    averages = next(a["averages"] for a in answers if "averages" in a)
+    assert averages == compare(world, ["none"], 2)
+
+
+def test_averages_that_would_take_too_long_say_why(there):
+    world = hb.load_world("yard")
+    answers = there.answers(there.send("measure", scene=scene(world, horizon=6, slip=0.0)))
+    assert next(a for a in answers if "averages" in a)["averages"]["picker"] is not None
+    number = there.send("measure", scene=scene(world, horizon=9, slip=0.3))
+    refusal = next(a for a in there.answers(number) if "error" in a)["error"]
+    assert "the largest horizon that fits" in refusal
+
+
+@pytest.mark.parametrize("sensor", ["state", "object", "tool", "agent"])
+def test_futures_are_the_librarys(there, sensor):
+    mdp = hb.tabulate(WALLED)
+    state = mdp.find(agent=(0, 2), tool=(0, 1), object=(1, 2))
+    wanted = futures(mdp, state, 3, sensor)
+    answer = there.ask("futures", scene=scene(WALLED, sensor=sensor, horizon=3), agent=[0, 2])
+    assert answer["bits"] == wanted.empowerment
+    assert answer["count"] == len(wanted.observations)
+    factor = mdp.factor("object")[wanted.observations] if sensor == "state" else wanted.observations
+    probability = np.bincount(factor, wanted.seen, 20).reshape(4, 5)
+    told = np.zeros((4, 5))
+    for row, column, share in answer["things"]:
+        told[row, column] = share
+    assert np.allclose(told, probability)
+
+
+def test_the_shortest_plan_is_the_librarys_and_stepping_through_it_ends_at_the_goal(there):
+    world = hb.load_world("corridor")
+    asked = scene(world, sensor="object", horizon=3)
+    plan, wanted = there.ask("solve", scene=asked), hb.solve(hb.tabulate(world))
+    assert (plan["steps"], plan["actions"]) == (wanted.steps, list(wanted.actions))
+    mdp, now = hb.tabulate(world), plan["placements"][0]
+    bits = hb.empowerment(mdp, 3, "object")
+    for action, state, then in zip(
+        plan["actions"], wanted.states[1:], plan["placements"][1:], strict=True
+    ):
+        answer = there.ask("step", scene=asked, placement=now, action=action)
+        now = answer["placement"]
+        assert now == then
+        assert answer["bits"] == bits[state]
+        assert answer["equipped"] == mdp.flags["equipped"][state]
+        assert answer["attached"] == mdp.flags["attached"][state]
+        assert (answer["ended"], answer["reward"]) == (
+            (True, 0) if then == plan["placements"][-1] else (False, -1)
+        )
+
+
+def test_no_action_asks_what_a_placement_is_worth(there):
+    at = {"agent": [0, 0], "tool": [0, 1], "object": [1, 2]}
+    answer = there.ask("step", scene=scene(WALLED, sensor="object"), placement=at, action=None)
+    assert answer["placement"] == at
+    assert answer["reward"] is None
+    assert answer["bits"] == hb.empowerment(WALLED, 2, "object", states=[WALLED_AT])[0]
+
+
+WALLED_AT = {"agent": (0, 0), "tool": (0, 1), "object": (1, 2)}
+
+
+def test_a_goal_out_of_reach_has_no_plan(there):
+    world = hb.World.parse("AC#G\n..##\n....\n....")
+    assert there.ask("solve", scene=scene(world))["steps"] is None
+
+
+def test_a_newer_request_overtakes_an_older_one_of_its_kind_and_no_other(there):
+    large = hb.World.parse("\n".join(["AP.CG" + "." * 25] + ["." * 30] * 29))
+    slow = scene(large, horizon=10, slip=0.0)
+    first = there.send("measure", scene=slow)
+    hover = there.send("futures", scene=scene(WALLED), agent=[0, 2])
+    second = there.send("measure", scene=scene(WALLED))
+    answers = {first: [], hover: [], second: []}
+    while not any("landscape" in a for a in answers[second]) or not answers[hover]:
+        answer = there.receive()
+        answers[answer["id"]].append(answer)
+    assert answers[first][-1] == {"id": first, "overtaken": True}
+    assert "bits" in answers[hover][0]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"map": "AP?CG"}, "map, line 1, column 3: unknown character '?'"),
+        ({"map": "AP.CG\n..."}, "the row has 3 cells and the first row has 5"),
+        ({"map": "AP.CG"}, "has 1 x 5 cells; draw 4 to 30 a side"),
+        ({"map": "A..CG\n" + ".....\n" * 4}, "the map has no tool whose place a picker could take"),
+        ({"map": "R = os:path\nAR.CG"}, "line 1: binds a character to a tool"),
+        ({"tool": "os:path"}, "tool 'os:path' is unknown; use one of picker, broom, none"),
+        ({"horizon": 11}, "horizon is 11; give a whole number from 0 to 10"),
+        ({"horizon": 2.5}, "horizon is 2.5; give a whole number"),
+        ({"slip": 0.6}, "slip is 0.6; give a number from 0 to 0.5"),
+        ({"sensor": "smell"}, "sensor 'smell' is unknown"),
+        ({"tool": "none", "actions": "tool"}, "actions has 4; use indices from 0 to 3"),
+        ({"colour": 1}, "scene has 'colour', which is unknown"),
+    ],
+)
+def test_what_is_wrong_with_a_scene_is_said_in_the_librarys_words(there, change, words):
+    answer = there.ask("measure", scene=scene(WALLED) | change)
+    assert words in answer["error"]
+    assert "\n" not in answer["error"]
+
+
+def test_a_step_from_where_nothing_can_be_is_refused(there):
+    at = {"agent": [1, 1], "tool": [0, 1], "object": [1, 2]}
+    answer = there.ask("step", scene=scene(WALLED), placement=at, action=0)
+    assert answer["error"] == "the agent's cell (1, 1) is a wall; give a free one"
+
+
+def test_a_tool_of_ones_own_is_as_good_as_any(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "import numpy as np\n"
+        "class Rake:\n"
+        "    character = 'R'\n"
+        "    def attached(self, agent, tool, thing):\n"
+        "        print('a tool may print')\n"
+        "        return np.zeros(thing.shape, bool)\n"
+        "    def carry(self, agent, tool, thing, step):\n"
+        "        pulled = (thing - tool == tool - agent) & (step == agent - tool)\n"
+        "        return np.where(pulled, thing + step, thing)\n"
+        "    def swing(self, agent, tool, thing, step):\n"
+        "        return thing\n"
+    )
+    name = f"{tmp_path}/mine.py:Rake"
+    with studio("--tool", name) as address, page(address) as there:
+        assert there.hello["tools"] == ["picker", "broom", name, "none"]
+        assert there.hello["tool_characters"]["R"] == name
+        world = WALLED.with_tool(name)
+        answer = there.ask("measure", scene=scene(world, sensor="object", horizon=3))
+        wanted = hb.landscape(world, 3, "object").values
+        assert "R" in scene(world)["map"]
+        assert np.array_equal(values(answer), wanted, equal_nan=True)
+        picker = there.ask(
+            "measure", scene=scene(world, sensor="object", horizon=3) | {"tool": "picker"}
+        )
+        wanted = hb.landscape(replace(WALLED, tool="picker"), 3, "object").values
+        assert np.array_equal(values(picker), wanted, equal_nan=True)

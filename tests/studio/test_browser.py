@@ -1,0 +1,419 @@
+"""The studio in a real browser: what a person does, and what the page then shows."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import (
+    Browser,
+    Page,
+    Request,
+    ViewportSize,
+    expect,
+    sync_playwright,
+)
+from studio_page import (
+    CHROMIUM,
+    LANDSCAPE,
+    OPTIONS,
+    STUCK,
+    WORLD,
+    drag,
+    keep_picture,
+    middle,
+    served,
+    settled,
+    shown_averages,
+    shown_bits,
+    true_bits,
+)
+
+from habilis.empowerment.futures import futures
+from habilis.empowerment.measures import compare
+from habilis.worlds.plans import solve
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import World, load_world
+
+pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="needs Debian's chromium")
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+YARD = load_world("yard")
+KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
+SIZE: ViewportSize = {"width": 1280, "height": 720}
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    with served() as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
+        expect.set_options(timeout=STUCK)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(browser: Browser, address: str) -> Iterator[Page]:
+    """A page on the yard; nothing may go wrong in it, and no other host be asked."""
+    page = browser.new_page(viewport=SIZE, color_scheme="light")
+    faults: list[str] = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("console", lambda line: faults.append(line.text) if line.type == "error" else None)
+
+    def look(request: Request) -> None:
+        if not request.url.startswith((address.partition("?")[0], "data:", "blob:")):
+            faults.append(f"asked {request.url}")
+
+    page.on("request", look)
+    page.goto(address)
+    settled(page)
+    yield page
+    page.close()
+    assert not faults
+
+
+def test_shows_the_bits_and_averages_that_the_library_gives(page: Page):
+    assert shown_bits(page) == true_bits(YARD, 3)
+    averages = {t: round(b, 2) for t, b in compare(YARD, ["picker", "broom", "none"], 3).items()}
+    assert shown_averages(page) == averages == {"picker": 0.52, "broom": 0.28, "none": 0.23}
+    expect(page.locator("#verdict")).to_contain_text("The picker helps: 0.29 bits more")
+    keep_picture(page, "design")
+
+
+def test_a_wall_drawn_by_dragging_changes_the_bits(page: Page):
+    drag(page, WORLD, (7, 4), (7, 5))
+    walled = replace(YARD, walls=YARD.walls | {(7, 4), (7, 5)})
+    assert true_bits(walled, 3) != true_bits(YARD, 3)
+    assert shown_bits(page) == true_bits(walled, 3)
+
+
+def test_a_wall_dragged_over_again_is_erased(page: Page):
+    drag(page, WORLD, (4, 6), (8, 6))
+    expected = true_bits(replace(YARD, walls=YARD.walls - {(r, 6) for r in range(4, 9)}), 3)
+    assert shown_bits(page) == expected
+
+
+def test_agent_tool_can_and_bin_are_dragged(page: Page):
+    drag(page, WORLD, YARD.object, (5, 4))
+    drag(page, WORLD, YARD.goal, (0, 9))
+    assert YARD.tool_cell is not None
+    drag(page, WORLD, YARD.tool_cell, (6, 4))
+    drag(page, WORLD, YARD.agent, (0, 0))
+    moved = replace(YARD, object=(5, 4), goal=(0, 9), tool_cell=(6, 4), agent=(0, 0))
+    assert shown_bits(page) == true_bits(moved, 3)
+    page.get_by_label("Map text: import and export").click()
+    assert page.locator("#text").input_value() == "\n".join(moved.rows)
+
+
+def test_a_thing_is_not_dragged_onto_another_or_into_a_wall(page: Page):
+    drag(page, WORLD, YARD.agent, (1, 0))
+    assert page.locator("#undo").is_disabled()
+    drag(page, WORLD, YARD.object, (9, 3), (9, 4), YARD.goal)
+    assert shown_bits(page) == true_bits(replace(YARD, object=(9, 4)), 3)
+
+
+def test_tool_horizon_sensor_actions_and_slip_are_those_that_are_measured(page: Page):
+    page.get_by_role("radio", name="Broom").check(force=True)
+    page.locator("#horizon").fill("4")
+    assert shown_bits(page) == true_bits(load_world("yard", tool="broom"), 4)
+    assert shown_averages(page)["broom"] == round(compare(YARD, ["broom"], 4)["broom"], 2)
+    page.locator("#horizon").fill("2")
+    page.locator("#sensor").select_option("state")
+    page.get_by_role("radio", name="Moves").check(force=True)
+    moves = [0, 1, 2, 3]
+    broom = load_world("yard", tool="broom")
+    assert shown_bits(page) == true_bits(broom, 2, "state", actions=moves)
+    page.locator("#slip").fill("0.2")
+    assert shown_bits(page) == true_bits(broom, 2, "state", actions=moves, slip=0.2)
+
+
+def test_without_a_tool_there_are_only_moves(page: Page):
+    page.get_by_role("radio", name="No tool").check(force=True)
+    assert shown_bits(page) == true_bits(load_world("yard", tool="none"), 3)
+    assert page.get_by_role("radio", name="Moves").is_disabled()
+    # The tool's place is plain floor: a wall can be drawn there, and a tool still be taken up.
+    assert YARD.tool_cell is not None
+    drag(page, WORLD, YARD.tool_cell, YARD.tool_cell)
+    bare = load_world("yard", tool="none")
+    walled = replace(bare, walls=bare.walls | {YARD.tool_cell}, tool_cell=None)
+    assert shown_bits(page) == true_bits(walled, 3)
+    page.get_by_role("radio", name="Picker").check(force=True)
+    assert len(shown_bits(page)) == len(true_bits(walled, 3)) - 1
+
+
+def test_the_can_is_seen_in_chosen_cells_only(page: Page):
+    page.locator("#sensor").select_option("cells")
+    settled(page)
+    assert set(shown_bits(page).values()) == {0.0}
+    drag(page, LANDSCAPE, (9, 2), (9, 4))
+    shown = shown_bits(page)
+    mdp = tabulate(YARD)
+    seen = {mdp.label((9, column)) for column in (2, 3, 4)}
+    at = mdp.factor("object").tolist()
+    assert shown == true_bits(YARD, 3, [cell if cell in seen else -1 for cell in at])  # type: ignore[arg-type]
+    assert max(shown.values()) > 0
+
+
+def test_undo_and_redo_by_keys_and_buttons(page: Page):
+    drag(page, WORLD, (7, 3), (7, 5))
+    walled = true_bits(replace(YARD, walls=YARD.walls | {(7, c) for c in (3, 4, 5)}), 3)
+    page.locator("#horizon").fill("1")
+    page.keyboard.press("Control+z")
+    assert shown_bits(page) == walled
+    page.keyboard.press("Control+z")
+    assert shown_bits(page) == true_bits(YARD, 3)
+    page.keyboard.press("Control+Shift+Z")
+    assert shown_bits(page) == walled
+    page.locator("#undo").click()
+    assert shown_bits(page) == true_bits(YARD, 3)
+    page.locator("#redo").click()
+    assert shown_bits(page) == walled
+
+
+def test_a_link_opens_exactly_what_is_shown(page: Page, browser: Browser):
+    drag(page, WORLD, (0, 3), (0, 8))
+    drag(page, WORLD, YARD.object, (5, 4))
+    page.get_by_role("radio", name="Broom").check(force=True)
+    page.locator("#horizon").fill("2")
+    page.locator("#slip").fill("0.1")
+    shown = shown_bits(page)
+    assert len(page.url.partition("#")[2]) < 80
+    other = browser.new_page(viewport=SIZE)
+    other.goto(page.url)
+    assert shown_bits(other) == shown
+    assert other.get_by_role("radio", name="Broom").is_checked()
+    assert other.locator("#horizon").input_value() == "2"
+    other.close()
+
+
+def test_a_link_that_is_damaged_opens_the_first_world(browser: Browser, address: str):
+    for damaged in (
+        "#w=10x10.A.1.2.3.4",
+        "#w=9999x9999.AAAA.1.2.3.4",
+        "#nonsense",
+        "#w=4x4..1.1.1.1",
+    ):
+        page = browser.new_page()
+        page.goto(address + damaged)
+        assert shown_bits(page) == true_bits(YARD, 3)
+        page.close()
+
+
+def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
+    page.mouse.move(*middle(page, LANDSCAPE, (8, 4)))
+    marks = page.locator(f"{LANDSCAPE} .mark")
+    expect(marks.first).to_be_visible()
+    mdp = tabulate(YARD)
+    assert YARD.tool_cell is not None
+    found = futures(
+        mdp, mdp.find(agent=(8, 4), tool=YARD.tool_cell, object=YARD.object), 3, "object"
+    )
+    expect(marks).to_have_count(len(found.observations))
+    told = page.locator("#told")
+    expect(told).to_contain_text(f"{found.empowerment:.2f} bits")
+    expect(told).to_contain_text(f"{len(found.observations)} places")
+    keep_picture(page, "design-futures")
+    page.mouse.move(5, 5)
+    expect(marks).to_have_count(0)
+
+
+def test_built_in_worlds_and_map_text(page: Page):
+    page.locator("#worlds").select_option("corridor")
+    assert shown_bits(page) == true_bits(load_world("corridor"), 3)
+    page.locator("#map-text").click()
+    text = "; a comment\n.....\n.AB..\n..C..\n....G"
+    page.locator("#text").fill(text)
+    page.locator("#use-map").click()
+    expect(page.locator("dialog")).to_have_count(0)
+    assert shown_bits(page) == true_bits(World.parse(text), 3)
+    assert page.get_by_role("radio", name="Broom").is_checked()
+
+
+def test_map_text_that_is_no_map_is_refused_in_the_library_s_words(page: Page):
+    page.locator("#map-text").click()
+    text = "....\n.AA.\n..C.\n...G"
+    page.locator("#text").fill(text)
+    page.locator("#use-map").click()
+    with pytest.raises(ValueError, match="second agent") as refused:
+        World.parse(text)
+    expect(page.locator("dialog .fault")).to_have_text(str(refused.value))
+    page.keyboard.press("Escape")
+    assert shown_bits(page) == true_bits(YARD, 3)
+
+
+def test_the_map_grows_and_shrinks_with_its_things_inside(page: Page):
+    for side, value in (("rows", "4"), ("columns", "5")):
+        page.locator(f"#{side}").fill(value)
+        page.keyboard.press("Tab")
+    assert len(shown_bits(page)) > 0
+    page.locator("#map-text").click()
+    small = World.parse(page.locator("#text").input_value())
+    assert (small.height, small.width) == (4, 5)
+    page.keyboard.press("Escape")
+    assert shown_bits(page) == true_bits(small, 3)
+    page.locator("#rows").fill("99")
+    page.keyboard.press("Tab")
+    assert page.locator("#rows").input_value() == "30"
+
+
+def test_the_keyboard_alone_draws_moves_and_asks(page: Page):
+    page.locator(WORLD).focus()
+    for key in ["ArrowDown"] * 7 + ["ArrowRight"] * 4 + ["Space"]:
+        page.keyboard.press(key)
+    walled = replace(YARD, walls=YARD.walls | {(7, 4)})
+    assert shown_bits(page) == true_bits(walled, 3)
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("c")
+    assert shown_bits(page) == true_bits(replace(walled, object=(6, 4)), 3)
+    page.locator(LANDSCAPE).focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#told")).to_contain_text("From row 1, column 2")
+    page.keyboard.press("?")
+    expect(page.get_by_role("dialog", name="What is this?")).to_be_visible()
+    keep_picture(page, "help")
+    page.keyboard.press("Escape")
+    expect(page.locator("dialog")).to_have_count(0)
+
+
+def test_playing_a_shortest_plan_brings_the_can_to_the_bin(page: Page):
+    plan = solve(tabulate(YARD))
+    assert plan is not None
+    page.locator("#tab-play").click()
+    for number, action in enumerate(plan.actions, start=1):
+        page.keyboard.press(KEYS[action])
+        expect(page.locator("#play-state")).to_contain_text(f"{number} step")
+    expect(page.locator("#play-state")).to_have_text(
+        f"The can is in the bin after {plan.steps} steps."
+    )
+    keep_picture(page, "play")
+    page.locator("#reset").click()
+    expect(page.locator("#play-state")).to_contain_text("0 steps")
+
+
+def test_the_bits_of_play_are_those_of_the_state(page: Page):
+    page.locator("#worlds").select_option("corridor")
+    page.locator("#tab-play").click()
+    world = load_world("corridor")
+    start = true_bits(world, 3)[world.agent]
+    expect(page.locator("#bits-now")).to_have_text(f"{start:.2f}")
+
+
+def test_show_me_acts_out_a_shortest_plan(page: Page):
+    plan = solve(tabulate(YARD))
+    assert plan is not None
+    page.locator("#tab-play").click()
+    page.locator("#show-me").click()
+    expect(page.locator("#plan")).to_contain_text(f"{plan.steps} steps")
+    expect(page.locator("#play-state")).to_have_text(
+        f"The can is in the bin after {plan.steps} steps."
+    )
+
+
+def test_light_and_dark_by_preference_and_by_the_switch(page: Page):
+    body = page.locator("body")
+    light, dark = "rgb(246, 245, 241)", "rgb(18, 20, 23)"
+    expect(body).to_have_css("background-color", light)
+    page.emulate_media(color_scheme="dark")
+    expect(body).to_have_css("background-color", dark)
+    page.emulate_media(color_scheme="light")
+    expect(body).to_have_css("background-color", light)
+    page.locator("#theme").click()
+    expect(body).to_have_css("background-color", dark)
+    keep_picture(page, "design-dark")
+    page.reload()
+    settled(page)
+    expect(body).to_have_css("background-color", dark)
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (810, 1080)])
+def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    for view in ("design", "play", "train", "run"):
+        page.locator(f"#tab-{view}").click()
+        wide, high = page.evaluate(
+            "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+        )
+        assert wide <= size[0]
+        assert high <= size[1]
+        keep_picture(page, f"{view}-{size[0]}")
+
+
+def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: Page):
+    pytest.importorskip("jax")
+    page.locator("#tab-train").click()
+    page.locator("#runs").fill("2")
+    page.locator("#episodes").fill("300")
+    page.locator("#start").click()
+    watch = page.get_by_role("button", name="Watch")
+    expect(watch).to_have_count(1)
+    assert page.locator("#curves .line").count() == 1
+    expect(page.locator(".training")).to_contain_text("of 2 converged")
+
+    page.locator("#intrinsic").select_option("none")
+    page.locator("#episodes").fill("100000")
+    page.locator("#start").click()
+    expect(page.locator("#curves .line")).to_have_count(2)
+    assert watch.count() == 1  # the second still trains, and both are drawn
+    page.locator("#stop").click()
+    expect(watch).to_have_count(2)
+    keep_picture(page, "train")
+
+    watch.last.click()
+    told = page.locator("#run-told")
+    expect(told).to_contain_text("step")
+    expect(page.locator("#action-bars li")).to_have_count(8)
+    shares = [int(text.split()[0]) for text in page.locator("#action-bars .bits").all_inner_texts()]
+    assert sum(shares) == pytest.approx(100, abs=4)
+    assert page.locator("#run-board .arrows .arrow").count() > 0
+    assert page.locator("#run-curve .line").count() == 1
+    keep_picture(page, "run")
+
+
+def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
+    pytest.importorskip("jax")
+    page.locator("#tab-train").click()
+    page.locator("#beta").fill("0")
+    page.locator("#start").click()
+    expect(page.locator(".training .fault")).to_contain_text(
+        "give both what is added and its weight, or neither"
+    )
+    assert page.locator("#start").is_enabled()
+
+
+def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path):
+    pytest.importorskip("jax")
+    from habilis.learning.config import Config
+    from habilis.learning.replay import play
+    from habilis.learning.train import train
+
+    run = train(Config(world="yard", runs=2, episodes=150), out=tmp_path / "trained")
+    with served(str(tmp_path / "trained")) as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        told = page.locator("#run-told")
+        for index in (0, 1):
+            page.get_by_label("Which run").select_option(str(index))
+            steps = len(play(run, index).actions)
+            expect(told).to_contain_text(f"{steps} step")
+        assert page.locator("#tab-run").get_attribute("aria-selected") == "true"
+        page.close()
+
+
+def test_a_tool_of_one_s_own_is_drawn_chosen_and_measured(browser: Browser):
+    rake = f"{EXAMPLES / 'rake.py'}:Rake"
+    with served("--tool", rake) as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        settled(page)
+        page.get_by_role("radio", name="Rake").check(force=True)
+        assert shown_bits(page) == true_bits(load_world("yard", tool=rake), 3)
+        assert shown_averages(page)[rake] == round(compare(YARD, [rake], 3)[rake], 2)
+        page.locator("#map-text").click()
+        assert "R" in page.locator("#text").input_value()
+        page.close()

@@ -1,0 +1,151 @@
+"""No message, whatever it is, does the server any harm."""
+
+import json
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from studio import page, scene, studio
+
+import habilis as hb
+from habilis.studio.messages import MessageError, Request, read
+
+TOOLS = {"P": "picker", "B": "broom"}
+SCENE = scene(hb.load_world("yard"), sensor="object", horizon=2, slip=0.0, actions="all", cells=[])
+WHOLE = {
+    "measure": {"scene": SCENE},
+    "futures": {"scene": SCENE, "agent": [0, 0]},
+    "solve": {"scene": SCENE},
+    "step": {
+        "scene": SCENE,
+        "placement": {"agent": [2, 0], "tool": [3, 0], "object": [8, 3]},
+        "action": 3,
+    },
+    "train": {"scene": SCENE, "settings": {"runs": 1}},
+    "stop": {},
+    "run": {"index": 0, "name": "x", "placement": {"agent": [2, 0], "object": [8, 3]}},
+}
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+    ),
+    max_leaves=6,
+)
+
+
+def changed(value, path, new):
+    """A copy with what is at a path replaced, or left out where the path ends in `...`."""
+    if not path:
+        return new
+    first, *rest = path
+    if isinstance(value, dict):
+        keys = sorted(value)
+        key = keys[first % len(keys)] if keys else "x"
+        return {**value, key: changed(value.get(key), rest, new)}
+    if isinstance(value, list) and value:
+        place = first % len(value)
+        return [*value[:place], changed(value[place], rest, new), *value[place + 1 :]]
+    return new
+
+
+BROKEN = st.builds(
+    lambda do, path, new: changed({"id": 1, "do": do, **WHOLE[do]}, path, new),
+    st.sampled_from(sorted(WHOLE)),
+    st.lists(st.integers(0, 7), min_size=1, max_size=4),
+    VALUES,
+)
+TEXTS = (
+    st.text(max_size=60)
+    | VALUES.map(json.dumps)
+    | BROKEN.map(json.dumps)
+    | st.tuples(BROKEN.map(json.dumps), st.integers(0, 400)).map(lambda cut: cut[0][: cut[1]])
+)
+NASTY = (
+    *("", "null", "[]", "{}", '"', "{" * 2_000, "[" * 40_000, "1" * 5_000, "NaN"),
+    *('{"id": 1e999}', '{"id": NaN}', '{"id": true, "do": "stop"}', '{"id": -1, "do": "stop"}'),
+    *(
+        '{"id": 1, "do": ["stop"]}',
+        '{"id": 1, "do": "\\ud800"}',
+        '{"id": 1, "do": "' + "x" * 70_000,
+    ),
+    json.dumps({"id": 1, "do": "measure", "scene": SCENE | {"map": "\ud800"}}),
+    json.dumps({"id": 1, "do": "measure", "scene": SCENE | {"map": "A\u2028C\x00G"}}),
+    json.dumps({"id": 1, "do": "measure", "scene": SCENE | {"horizon": 10**400}}),
+    json.dumps({"id": 1, "do": "measure", "scene": SCENE | {"cells": [[10**30, 0]]}}),
+    json.dumps({"id": 1, "do": "measure", "scene": SCENE | {"tool": "/etc/passwd:x"}}),
+    json.dumps({"id": 1, "do": "run", "index": 0, "name": "../../etc"}),
+)
+
+
+@pytest.mark.parametrize("do", sorted(WHOLE))
+def test_a_whole_message_is_a_request(do):
+    request = read(json.dumps({"id": 7, "do": do, **WHOLE[do]}), TOOLS)
+    assert (request.id, request.do) == (7, do)
+
+
+@settings(max_examples=1_000, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(TEXTS)
+def test_whatever_comes_is_a_request_or_one_line_of_error(text):
+    try:
+        request = read(text, TOOLS)
+    except MessageError as error:
+        said = str(error)
+    else:
+        assert isinstance(request, Request)
+        return
+    assert len(said.splitlines()) == 1
+    assert len(said) < 500
+
+
+@pytest.mark.parametrize("text", NASTY)
+def test_what_is_meant_badly_is_an_error(text):
+    with pytest.raises(MessageError):
+        raise_if_no_request(text)
+
+
+def raise_if_no_request(text):
+    request = read(text, TOOLS)
+    if request.do == "run":  # its name is looked at where trainings are kept
+        raise MessageError("no request of ours", request.id)
+
+
+@pytest.fixture(scope="module")
+def address():
+    with studio() as address:
+        yield address
+
+
+def test_after_a_thousand_malformed_messages_the_server_answers_as_before(address):
+    sent = []
+
+    @settings(max_examples=1_000, deadline=None, database=None)
+    @given(TEXTS)
+    def collect(text):
+        sent.append(text)
+
+    collect()
+    with page(address) as there, page(address) as other:
+        before = other.ask("measure", scene=SCENE)["landscape"]
+        for text in [*sent, *NASTY]:
+            if '"train"' not in text:  # a whole one would train
+                there.socket.send(text)
+        there.socket.send(b"\x00\xff")
+        there.socket.send("x" * 200_000)
+        number = there.send("measure", scene=SCENE)
+        answers = []
+        while not (answers and answers[-1]["id"] == number and "landscape" in answers[-1]):
+            answers.append(there.receive())
+        assert answers[-1]["landscape"] == before
+        assert sum("error" in answer for answer in answers) > 500
+        assert not [a for a in answers if "error" in a and "\n" in a["error"]]
+        assert other.ask("measure", scene=SCENE)["landscape"] == before
+
+
+def test_a_message_that_is_too_long_for_any_use_ends_its_own_connection_only(address):
+    with page(address) as there, page(address) as other:
+        with pytest.raises(Exception, match=r"1009|closed|reset|pipe"):  # noqa: PT012
+            there.socket.send("x" * 2**21)
+            there.receive()
+        assert "landscape" in other.ask("measure", scene=SCENE)

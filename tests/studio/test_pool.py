@@ -1,0 +1,124 @@
+"""Steps in processes: served in turn, given up at any moment."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from habilis.studio.clients import Client
+from habilis.studio.pool import Pool, StepError
+
+CLIENTS, STEPS = 50, 6
+
+
+@pytest.fixture(autouse=True)
+def _findable(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[1] / "support")
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1] / "support"), prepend=":")
+
+
+def run(work, size=1, patience=0.1):
+    async def whole():
+        pool = Pool("studio_steps", size, patience)
+        pool.start()
+        try:
+            return await work(pool)
+        finally:
+            await pool.close()
+
+    return asyncio.run(whole())
+
+
+async def unheard(message):
+    pass
+
+
+def test_whoever_asks_has_one_step_done_before_anybody_has_two():
+    served = []
+
+    async def work(pool):
+        async def ask(number):
+            client = Client(unheard)
+            for k in range(STEPS * 4 if number == 0 else STEPS):  # one wants more than all others
+                served.append((await client.step(pool, "echo", value=number), k)[0])
+
+        await asyncio.gather(*(ask(number) for number in range(CLIENTS)))
+
+    run(work)
+    for turn in range(STEPS):
+        assert sorted(served[turn * CLIENTS : (turn + 1) * CLIENTS]) == list(range(CLIENTS))
+
+
+def test_one_client_has_one_step_done_at_a_time_however_much_it_asks():
+    async def work(pool):
+        greedy, modest, order = Client(unheard), Client(unheard), []
+
+        async def note(client, name):
+            order.append(await client.step(pool, "echo", value=name))
+
+        many = [asyncio.create_task(note(greedy, "greedy")) for _ in range(10)]
+        await asyncio.sleep(0)
+        await asyncio.gather(*many, note(modest, "modest"))
+        return order
+
+    assert run(work).index("modest") <= 1
+
+
+def test_a_step_that_is_overtaken_and_never_ends_makes_way_for_the_next():
+    async def work(pool):
+        client = Client(unheard)
+        endless = asyncio.create_task(client.step(pool, "forever"))
+        await asyncio.sleep(0.5)
+        endless.cancel()
+        return await client.step(pool, "echo", value="next")
+
+    assert run(work) == "next"
+
+
+def test_a_step_that_is_overtaken_but_ends_at_once_leaves_its_process_alive():
+    async def work(pool):
+        client = Client(unheard)
+        await client.step(pool, "echo", value=0)
+        (before,) = pool.processes()
+        quick = asyncio.create_task(client.step(pool, "echo", value=1))
+        await asyncio.sleep(0)
+        quick.cancel()
+        assert await client.step(pool, "echo", value=2) == 2
+        return before, pool.processes()
+
+    before, after = run(work, patience=60)
+    assert after == [before]
+
+
+def test_a_process_that_dies_is_an_error_and_another_takes_its_place():
+    async def work(pool):
+        client = Client(unheard)
+        with pytest.raises(StepError, match="ended unexpectedly"):
+            await client.step(pool, "die")
+        return await client.step(pool, "echo", value="again")
+
+    assert run(work) == "again"
+
+
+def test_what_a_step_refuses_is_said_and_the_process_goes_on():
+    async def work(pool):
+        client = Client(unheard)
+        with pytest.raises(StepError, match="two"):
+            await client.step(pool, "fail")
+        return await client.step(pool, "echo", value=1)
+
+    assert run(work) == 1
+
+
+def test_closing_ends_all_processes():
+    async def work(pool):
+        busy = [asyncio.create_task(Client(unheard).step(pool, "forever")) for _ in range(2)]
+        await asyncio.sleep(0.5)
+        processes = list(pool._all)
+        await pool.close()
+        for task in busy:
+            task.cancel()
+        await asyncio.gather(*busy, return_exceptions=True)
+        return [process.returncode for process in processes]
+
+    assert None not in run(work, size=2)

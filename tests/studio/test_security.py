@@ -1,0 +1,135 @@
+"""Only pages that the studio served itself may use it."""
+
+import http.client
+from contextlib import closing
+from urllib.parse import urlsplit
+
+import pytest
+from studio import page, studio
+from websockets.exceptions import InvalidStatus
+
+from habilis.studio.security import Access, is_loopback
+
+
+@pytest.fixture(scope="module")
+def address():
+    with studio() as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def open_address():
+    with studio("--host", "0.0.0.0") as address:
+        yield address
+
+
+def get(address, path="/", host=None, **headers):
+    """Status, text and headers of a page, asked for at loopback's address."""
+    port = urlsplit(address).port
+    with closing(http.client.HTTPConnection("127.0.0.1", port)) as there:
+        there.request("GET", path, headers={"Host": host or f"127.0.0.1:{port}"} | headers)
+        answer = there.getresponse()
+        return answer.status, answer.read().decode(), dict(answer.getheaders())
+
+
+def test_the_page_may_do_nothing_with_other_hosts(address):
+    status, _, headers = get(address)
+    assert status == 200
+    policy = headers["content-security-policy"]
+    assert "default-src 'self'" in policy
+    assert "frame-ancestors 'none'" in policy
+    assert headers["referrer-policy"] == "no-referrer"
+
+
+@pytest.mark.parametrize("name", ["localhost", "127.0.0.1", "[::1]"])
+def test_its_own_names_are_known(address, name):
+    assert get(address, host=f"{name}:{urlsplit(address).port}")[0] == 200
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        *(
+            "evil.example:{}",
+            "127.0.0.1",
+            "127.0.0.1:1",
+            "localhost.evil.example:{}",
+            "x@localhost:{}",
+        ),
+        *("127.0.0.2:{}", "localhost:{}/x", "localhost:{} ", ":{}", "[::1:{}", "localhost:x"),
+    ],
+)
+def test_a_name_that_leads_here_but_is_not_ours_is_refused(address, host):
+    port = urlsplit(address).port
+    access = Access.of("127.0.0.1", port)
+    assert not access.knows(host.format(port))
+    if not host.endswith(" "):  # which is no part of a header
+        assert get(address, host=host.format(port))[0] in (400, 403)
+
+
+ORIGINS = [
+    "http://evil.example",
+    "null",
+    "https://127.0.0.1:{}",
+    "http://127.0.0.1:1",
+    "file://",
+    "",
+]
+
+
+@pytest.mark.parametrize("origin", ORIGINS)
+def test_a_foreign_page_can_neither_connect_nor_ask(address, origin):
+    port = urlsplit(address).port
+    with (
+        pytest.raises(InvalidStatus),
+        page(address, additional_headers={"Origin": origin.format(port)}),
+    ):
+        pass
+    assert get(address, Origin=origin.format(port))[0] == 403
+
+
+def test_its_own_page_can_connect(address):
+    with page(address, additional_headers={"Origin": address.rstrip("/")}) as there:
+        assert there.hello["version"]
+
+
+def test_beyond_loopback_page_and_connection_need_the_token(open_address):
+    parts = urlsplit(open_address)
+    local = f"http://127.0.0.1:{parts.port}/"
+    assert len(parts.query) > 30
+    assert get(local, f"/?{parts.query}")[0] == 200
+    for query in ("", "token=", "token=x", f"{parts.query}x", f"{parts.query}&{parts.query}"):
+        status, text, _ = get(local, f"/?{query}")
+        assert status == 403
+        assert "token" in text
+        with pytest.raises(InvalidStatus), page(f"{local}?{query}"):
+            pass
+    with page(f"{local}?{parts.query}") as there:
+        assert there.hello["version"]
+
+
+def test_beyond_loopback_foreign_names_and_pages_are_refused_too(open_address):
+    parts = urlsplit(open_address)
+    assert get(open_address, f"/?{parts.query}", host=f"evil.example:{parts.port}")[0] == 403
+    assert get(open_address, f"/?{parts.query}", host=f"192.0.2.7:{parts.port}")[0] == 200
+    assert get(open_address, f"/?{parts.query}", Origin="http://evil.example")[0] == 403
+
+
+def test_each_start_has_another_token():
+    assert Access.of("0.0.0.0", 1).token != Access.of("0.0.0.0", 1).token
+    assert Access.of("127.0.0.1", 1).token is None
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "127.8.8.8", "::1", "localhost", "LOCALHOST"])
+def test_loopback_is_known(host):
+    assert is_loopback(host)
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.0.2.1", "example.org", "127.0.0.1.example"])
+def test_what_others_can_reach_is_not_loopback(host):
+    assert not is_loopback(host)
+
+
+def test_paths_do_not_lead_out_of_the_page(address):
+    for path in ("/assets/../server.py", "/assets/%2e%2e/server.py", "//etc/passwd", "/server.py"):
+        assert get(address, path)[0] == 404

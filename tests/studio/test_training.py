@@ -1,0 +1,158 @@
+"""The studio trains with the real trainer, and shows what was learned."""
+
+import numpy as np
+import pytest
+from studio import page, scene, studio
+
+import habilis as hb
+from habilis.learning.curves import learning_curve
+from habilis.learning.folder import save_run
+from habilis.learning.replay import learned, play
+from habilis.learning.train import train
+from habilis.worlds.table import placement
+
+SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")
+SETTINGS = {"intrinsic": "object", "horizon": 2, "beta": 0.1, "runs": 2, "episodes": 400, "seed": 3}
+LONG = {"runs": 1, "algorithm": "soft-value-iteration", "episodes": 100_000, "discount": 0.0}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """The same training, without the studio."""
+    path = tmp_path_factory.mktemp("run") / "small.txt"
+    path.write_text(SMALL.text())
+    return train(hb.Config.from_dict(SETTINGS | {"world": str(path)}))
+
+
+@pytest.fixture(scope="module")
+def address(run, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("trained") / "toe"
+    save_run(run, folder)
+    with studio(str(folder)) as address:
+        yield address
+
+
+@pytest.fixture
+def there(address):
+    with page(address) as there:
+        yield there
+
+
+def done(there, number):
+    """All that a training tells."""
+    answers = []
+    for answer in there.answers(number):
+        answers.append(answer)
+        if "done" in answer or "error" in answer:
+            return answers
+    raise AssertionError
+
+
+def check_view(there, run, **which):
+    """That a view of run 1 shows what the library says."""
+    view = there.ask("run", index=1, **which)
+    episode, mdp = play(run, 1), hb.tabulate(run.world)
+    policy, values = learned(run, mdp, 1)
+    assert view["episode"]["actions"] == list(episode.actions)
+    assert view["episode"]["return"] == episode.episode_return
+    places = [placement(run.world, mdp, state) for state in episode.states]
+    assert [tuple(p["agent"]) for p in view["episode"]["placements"]] == [p.agent for p in places]
+    assert np.allclose(view["policy"]["episode"], policy[list(episode.states)], rtol=1e-4)
+    assert np.allclose(np.sum(view["policy"]["episode"], axis=1), 1, atol=1e-3)
+    here = mdp.find(agent=(3, 3), tool=SMALL.tool_cell, object=SMALL.object)
+    assert np.allclose(view["policy"]["cells"][3][3], policy[here], rtol=1e-4)
+    assert view["values"][3][3] == pytest.approx(float(values[here]), rel=1e-4)
+    assert view["values"][SMALL.object[0]][SMALL.object[1]] is None
+    assert view["curve"]["mean"][-1] == pytest.approx(learning_curve(run).middle[-1], rel=1e-4)
+
+
+def test_a_trained_run_is_shown_as_the_library_has_it(there, run):
+    assert there.hello["run"]["name"] == "toe"
+    assert there.hello["run"]["config"]["beta"] == 0.1
+    assert hb.World.parse(there.hello["run"]["map"]).object == SMALL.object
+    check_view(there, run)
+
+
+def test_a_view_is_of_any_place_of_the_things(there, run):
+    mdp = hb.tabulate(run.world)
+    at = {"agent": [0, 0], "tool": [0, 1], "object": [2, 2]}
+    view = there.ask("run", index=0, placement=at)
+    values = learned(run, mdp, 0)[1]
+    state = mdp.find(agent=(0, 0), tool=(0, 1), object=(2, 2))
+    assert view["values"][0][0] == pytest.approx(float(values[state]), rel=1e-4)
+    assert view["values"][3][3] is None  # nobody holds the tool from there
+
+
+def test_a_run_that_is_not_there_is_refused(there):
+    assert there.ask("run", index=2)["error"] == "run is 2; use 0 to 1"
+    assert "no training has the name" in there.ask("run", index=0, name="x")["error"]
+
+
+def test_training_from_the_page_is_the_trainers(there, run):
+    answers = done(there, there.send("train", scene=scene(SMALL), settings=SETTINGS))
+    end = answers[-1]
+    assert end["done"]["converged_at"] == list(run.converged_at)
+    assert end["episodes"] == len(run.episodes)
+    assert end["steps"] == run.episodes["steps"].sum()
+    check_view(there, run, name=end["done"]["name"])
+    with page("http://" + there.socket.request.headers["Host"] + "/") as other:
+        assert "error" in other.ask("run", index=0, name="0" * 8)
+
+
+def test_curves_stream_while_it_trains_and_stop_keeps_what_there_is(there):
+    number = there.send("train", scene=scene(SMALL), settings=LONG)
+    curves = []
+    for answer in there.answers(number):
+        assert "done" not in answer
+        if answer.get("curve"):
+            curves.append(answer["curve"])
+        if len(curves) == 2:
+            break
+    assert len(curves[1]["x"]) > 1
+    assert curves[1]["x"][-1] > curves[0]["x"][-1]
+    there.socket.send(f'{{"id": {number}, "do": "stop"}}')
+    end = done(there, number)[-1]
+    assert end["done"]["converged_at"] == [None]
+    assert 0 < end["episodes"] < 100_000
+    view = there.ask("run", index=0, name=end["done"]["name"])
+    assert view["episodes"] == end["episodes"]
+    assert "no training has the id" in there.ask("stop")["error"]
+
+
+def test_a_page_trains_one_thing_at_a_time_and_measures_meanwhile(there):
+    number = there.send("train", scene=scene(SMALL), settings=LONG)
+    assert "stop it first" in there.ask("train", scene=scene(SMALL), settings={})["error"]
+    assert "landscape" in there.ask("measure", scene=scene(SMALL))
+    there.socket.send(f'{{"id": {number}, "do": "stop"}}')
+    done(there, number)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"runs": 11}, "runs is 11; give a whole number from 1 to 10"),
+        ({"episodes": 10**6}, "give a whole number from 1 to 100,000"),
+        ({"hidden": [60_000]}, "settings has 'hidden', which is unknown"),
+        ({"world": "/etc/passwd"}, "settings has 'world', which is unknown"),
+        ({"algorithm": "dqn"}, "algorithm 'dqn' is unknown"),
+        ({"intrinsic": "object"}, "give both what is added and its weight, or neither"),
+        ({"beta": "much"}, "beta is 'much'; give a finite number"),
+        ({"intrinsic": "smell", "beta": 1.0, "horizon": 1}, "'smell' is unknown"),
+    ],
+)
+def test_what_is_wrong_with_settings_is_said_in_the_trainers_words(there, settings, words):
+    answers = done(there, there.send("train", scene=scene(SMALL), settings=settings))
+    assert words in answers[-1]["error"]
+
+
+def test_what_the_trainer_does_not_take_is_refused(there):
+    slippery = there.ask("train", scene=scene(SMALL, slip=0.1), settings={})
+    assert "training knows no chance" in slippery["error"]
+    large = hb.World.parse("\n".join(["AP.CG" + "." * 25] + ["." * 30] * 29))
+    assert (
+        "placements; train on at most"
+        in there.ask("train", scene=scene(large), settings={})["error"]
+    )
+    walled = hb.World.parse("AC#G\n..##\n....\n....")
+    answers = done(there, there.send("train", scene=scene(walled), settings={"runs": 1}))
+    assert "the goal cannot be reached" in answers[-1]["error"]

@@ -1,0 +1,63 @@
+"""A studio in a process of its own, and a page that talks to it."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from websockets.sync.client import ClientConnection, connect
+
+import habilis as hb
+
+
+@contextmanager
+def studio(*arguments: str) -> Iterator[str]:
+    """Runs `habilis studio`; yields the page's address."""
+    command = [sys.executable, "-m", "habilis.cli", "studio", "--no-browser", "--json"]
+    with subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        try:
+            yield json.loads(process.stdout.readline())["address"]
+        finally:
+            process.terminate()
+
+
+@contextmanager
+def page(address: str, **options: Any) -> Iterator["Page"]:
+    """A connection, as a page has it."""
+    base, _, query = address.partition("?")
+    there = f"{base.replace('http:', 'ws:')}ws" + (f"?{query}" if query else "")
+    with connect(there, max_size=None, compression=None, **options) as socket:
+        yield Page(socket)
+
+
+class Page:
+    def __init__(self, socket: ClientConnection):
+        self.socket = socket
+        self.hello = self.receive()["hello"]
+        self.number = 0
+
+    def receive(self) -> dict[str, Any]:
+        return json.loads(self.socket.recv())
+
+    def send(self, do: str, **fields: Any) -> int:
+        self.number += 1
+        self.socket.send(json.dumps({"id": self.number, "do": do} | fields))
+        return self.number
+
+    def answers(self, number: int) -> Iterator[dict[str, Any]]:
+        """What comes to one request, for as long as somebody wants it."""
+        while True:
+            answer = self.receive()
+            if answer["id"] == number:
+                yield answer
+
+    def ask(self, do: str, **fields: Any) -> dict[str, Any]:
+        """The first answer that is no progress."""
+        return next(a for a in self.answers(self.send(do, **fields)) if "progress" not in a)
+
+
+def scene(world: hb.World, **measured: Any) -> dict[str, Any]:
+    return {"map": "\n".join(world.rows), "tool": world.tool, "horizon": 2} | measured
