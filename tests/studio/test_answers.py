@@ -112,6 +112,18 @@ def test_a_map_without_a_tool_has_the_average_of_the_bare_agent(there):
     assert averages == compare(world, ["none"], 2)
 
 
+def test_a_tool_that_nobody_could_hold_has_no_average(there):
+    world = hb.World.parse("A#P#\n#C##\n####\n###G").with_tool("picker")
+    averages, whys = {}, set()
+    for answer in there.answers(there.send("measure", scene=scene(world))):
+        averages |= answer.get("averages", {})
+        whys |= {answer["why"]} if "why" in answer else set()
+        if "none" in averages:
+            break
+    assert averages == {"picker": None, "broom": None, "none": 0.0}
+    assert whys == {"there is no room to hold the tool; leave two free cells side by side"}
+
+
 def test_averages_that_would_take_too_long_say_why(there):
     world = hb.load_world("yard")
     answers = there.answers(there.send("measure", scene=scene(world, horizon=6, slip=0.0)))

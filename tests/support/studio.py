@@ -29,7 +29,8 @@ def page(address: str, **options: Any) -> Iterator["Page"]:
     """A connection, as a page has it."""
     base, _, query = address.partition("?")
     there = f"{base.replace('http:', 'ws:')}ws" + (f"?{query}" if query else "")
-    with connect(there, max_size=None, compression=None, **options) as socket:
+    never: Any = dict.fromkeys(("max_size", "compression", "open_timeout", "ping_interval"))
+    with connect(there, **never, close_timeout=None, **options) as socket:
         yield Page(socket)
 
 

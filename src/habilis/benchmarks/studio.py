@@ -95,7 +95,7 @@ class _Page:
 
 
 async def _opened(address: str, seed: int) -> _Page:
-    socket = await connect(address, compression=None)
+    socket = await connect(address, compression=None, open_timeout=None, ping_interval=None)
     await socket.recv()
     return _Page(socket, seed)
 

@@ -40,14 +40,20 @@ def average_empowerment(
         0.23
     """
     states = compared_states(mdp)
-    if not states.any():
-        raise ValueError("there is no room to hold the tool; leave two free cells side by side")
     return float(empowerment(mdp, horizon, sensor, states=states, **options).mean())
 
 
 def compared_states(mdp: TabularMDP) -> np.ndarray:
-    """bool[S]: the states over which averages go."""
-    return mdp.flags["equipped"] if "tool" in mdp.factors else np.ones(mdp.states, bool)
+    """bool[S]: the states over which averages go.
+
+    Raises:
+        ValueError: the tool can never be in hand.
+    """
+    if "tool" not in mdp.factors:
+        return np.ones(mdp.states, bool)
+    if not mdp.flags["equipped"].any():
+        raise ValueError("there is no room to hold the tool; leave two free cells side by side")
+    return mdp.flags["equipped"]
 
 
 def compare(

@@ -8,7 +8,7 @@ from typing import Any
 
 from habilis.processors import processors
 from habilis.studio.clients import Client
-from habilis.studio.messages import Request
+from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import Pool, StepError
 from habilis.studio.scenes import Scene
 from habilis.worlds.world import NO_TOOL
@@ -99,16 +99,22 @@ async def _averages(
     await asyncio.sleep(_SETTLED)
     if scene.world.tool_cell is None:
         tools = ()
+    told = False
     # The tool in hand first: it is what is looked at.
-    for tool in sorted(tools, key=lambda tool: tool != scene.world.tool) or (NO_TOOL,):
-        try:
-            if tool == NO_TOOL:
-                found = await client.step(pools.slow, "average_without", scene=scene)
-            else:
-                found = await client.step(pools.slow, "average", scene=scene, tool=tool)
-        except StepError as error:
-            found = {"averages": {tool: None}, "verdicts": {}, "why": str(error)}
+    for tool in sorted(tools, key=lambda tool: tool != scene.world.tool):
+        found = await _average(tool, client.step(pools.slow, "average", scene=scene, tool=tool))
+        told |= NO_TOOL in found["averages"]
         await client.tell(number, **found)
+    if not told:
+        work = client.step(pools.slow, "average_without", scene=scene)
+        await client.tell(number, **await _average(NO_TOOL, work))
+
+
+async def _average(tool: str, work: Coroutine[Any, Any, Any]) -> dict[str, Any]:
+    try:
+        return await work
+    except StepError as error:
+        return {"averages": {tool: None}, "verdicts": {}, "why": one_line(error)}
 
 
 async def futures(pools: Pools, client: Client, request: Request) -> None:

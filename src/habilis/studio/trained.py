@@ -53,7 +53,7 @@ def view(folder: str, index: int, at: dict[str, list[int]] | None = None) -> Ans
     episode = play(run, index)
     mdp = _table(run.world)
     policy, values = learned(run, mdp, index)
-    cells = at or {"object": run.world.object, "tool": run.world.tool_cell}
+    cells: Any = at or {"object": run.world.object, "tool": run.world.tool_cell}
     here = np.ones(mdp.states, bool)
     for name in mdp.factors.keys() - {"agent"}:
         here &= mdp.factor(name) == mdp.label(cells[name])
