@@ -4,7 +4,7 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-integration paper quick multiverse check format docs calibrate reconstruct \
+.PHONY: test test-browser test-integration paper quick multiverse check format docs calibrate reconstruct \
 	bench bench-sb3 page clean
 
 # Side by side on all processors, the tests of a file together.
@@ -12,6 +12,11 @@ test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
 # With torch, Stable-Baselines3 and gymnax, in an environment of their own.
+# The studio's page in Debian's Chromium (apt-get install chromium), and that its build is up to date.
+test-browser: $(INSTALLED)
+	npm --prefix studio ci --silent
+	HABILIS_BROWSER=1 $(BIN)/python -m pytest tests/studio
+
 test-integration: $(APART)/installed
 	$(APART)/bin/python -m pytest tests/integration tests/envs/test_functional.py
 

@@ -84,7 +84,7 @@ def test_chance_has_its_part_in_a_landscape(there):
             break
         progress.append(answer["progress"])
     wanted = hb.landscape(world, 2, "object", slip=0.2).values
-    assert np.allclose(values(answer), wanted, atol=1e-6, equal_nan=True)
+    assert np.allclose(values(answer), wanted, atol=1e-6, equal_nan=True)  # pyright: ignore
     assert progress == sorted(progress)
     assert progress[-1] == 1
 
@@ -153,11 +153,14 @@ def test_the_shortest_plan_is_the_librarys_and_stepping_through_it_ends_at_the_g
     world = hb.load_world("corridor")
     asked = scene(world, sensor="object", horizon=3)
     plan, wanted = there.ask("solve", scene=asked), hb.solve(hb.tabulate(world))
-    assert (plan["steps"], plan["actions"]) == (wanted.steps, list(wanted.actions))
+    assert (plan["steps"], plan["actions"]) == (wanted.steps, list(wanted.actions))  # pyright: ignore
     mdp, now = hb.tabulate(world), plan["placements"][0]
     bits = hb.empowerment(mdp, 3, "object")
     for action, state, then in zip(
-        plan["actions"], wanted.states[1:], plan["placements"][1:], strict=True
+        plan["actions"],
+        wanted.states[1:],
+        plan["placements"][1:],
+        strict=True,  # pyright: ignore
     ):
         answer = there.ask("step", scene=asked, placement=now, action=action)
         now = answer["placement"]

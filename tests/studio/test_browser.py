@@ -1,5 +1,6 @@
 """The studio in a real browser: what a person does, and what the page then shows."""
 
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -35,7 +36,10 @@ from habilis.worlds.plans import solve
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world
 
-pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="needs Debian's chromium")
+pytestmark = pytest.mark.skipif(
+    "HABILIS_BROWSER" not in os.environ or not CHROMIUM.exists(),
+    reason="make test-browser runs these, with Debian's chromium",
+)
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 YARD = load_world("yard")
