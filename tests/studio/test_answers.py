@@ -158,7 +158,7 @@ def test_the_shortest_plan_is_the_librarys_and_stepping_through_it_ends_at_the_g
     bits = hb.empowerment(mdp, 3, "object")
     for action, state, then in zip(
         plan["actions"],
-        wanted.states[1:],
+        wanted.states[1:],  # pyright: ignore
         plan["placements"][1:],
         strict=True,  # pyright: ignore
     ):
