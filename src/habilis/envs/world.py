@@ -230,11 +230,12 @@ class Scene:
         columns: dict[str, np.ndarray] = dict(mdp.flags)
         if not isinstance(measures, Mapping | None):
             raise ValueError(f"measures is {measures!r}; give names with arguments")
+        noisy = mdp.slippery(slip) if measures else mdp
         for name, arguments in (measures or {}).items():
             if name in columns or name == "state":
                 raise ValueError(f"measure {name!r} is what info has already; give another name")
             try:
-                values = kept_empowerment(mdp.slippery(slip), **arguments)
+                values = kept_empowerment(noisy, **arguments)
                 if np.shape(values) != (mdp.states,):
                     raise ValueError("it has not one value for every state")
                 columns[name] = values

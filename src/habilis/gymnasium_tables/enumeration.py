@@ -22,12 +22,10 @@ class Enumerated:
     Attributes:
         mdp: their table.
         place: the index of each state in it, by its mark.
-        mark: from an (unwrapped) environment to the mark of the state that it is in.
     """
 
     mdp: TabularMDP
     place: Mapping[Hashable, int]
-    mark: Callable[[Any], Hashable]
 
 
 _RETRIES = 4  # of a step that drew random numbers, each with others
@@ -78,7 +76,7 @@ def enumerate_states(
         for name, label in (factors or {}).items():
             named[name] = _labels(name, [label(saved.load(state)) for state in found])
         mdp = replace(mdp, factors=named, actions=_action_names(first, actions))
-        return Enumerated(mdp, place, mark)
+        return Enumerated(mdp, place)
 
 
 def action_count(env: Any) -> int:
