@@ -1,6 +1,7 @@
 """Steps in processes: served in turn, given up at any moment."""
 
 import asyncio
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -122,3 +123,25 @@ def test_closing_ends_all_processes():
         return [process.returncode for process in processes]
 
     assert None not in run(work, size=2)
+
+
+@pytest.mark.parametrize("moment", [0, 0.01, 0.1])
+def test_closing_ends_processes_that_are_just_being_started(monkeypatch, moment):
+    begun = []
+
+    class Noted(subprocess.Popen):
+        def __init__(self, *arguments, **options):
+            super().__init__(*arguments, **options)
+            begun.append(self)
+
+    monkeypatch.setattr(subprocess, "Popen", Noted)
+
+    async def work(pool):
+        asked = asyncio.create_task(Client(unheard).step(pool, "forever"))
+        await asyncio.sleep(moment)
+        asked.cancel()
+        await asyncio.gather(asked, return_exceptions=True)
+
+    run(work, size=3)
+    assert all(process.returncode is not None for process in begun)
+    assert begun or not moment

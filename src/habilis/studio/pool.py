@@ -9,13 +9,14 @@ import sys
 from asyncio.subprocess import PIPE, Process
 from collections import deque
 from collections.abc import Coroutine
-from typing import Any
+from typing import Any, TypeVar
 
 from habilis.studio.limits import SECONDS
 from habilis.studio.worker import LENGTH
 
 _LONGEST_ANSWER = 64 * 2**20
 _NICE = 10
+Result = TypeVar("Result")
 TOO_LONG = f"it takes more than {SECONDS:g} s; make the world or the horizon smaller"
 
 
@@ -44,7 +45,7 @@ class Pool:
         self._all: set[Process] = set()
         self._places = asyncio.Semaphore(size)
         self._begun = False
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: set[asyncio.Task[Any]] = set()
 
     def start(self) -> None:
         """Begins to start all of its workers, ahead of need."""
@@ -91,15 +92,19 @@ class Pool:
         return answer["answer"]
 
     async def close(self) -> None:
-        """Ends all workers."""
-        for task in list(self._tasks):
+        """Ends all workers, those that are just being started too."""
+        tasks = list(self._tasks)
+        for task in tasks:
             task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
         await asyncio.gather(*(self._end(worker) for worker in list(self._all)))
 
-    def _later(self, work: Coroutine[Any, Any, None]) -> None:
+    def _later(self, work: Coroutine[Any, Any, Result]) -> "asyncio.Task[Result]":
+        """Does something beside all else; it is not forgotten when the pool is closed."""
         task = asyncio.create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
+        return task
 
     async def _after(
         self, worker: Process, exchange: "asyncio.Task[Any]", held: contextlib.AsyncExitStack
@@ -134,7 +139,7 @@ class Pool:
             if worker.returncode is None:
                 return worker
             self._all.discard(worker)
-        starting = asyncio.create_task(self._started())
+        starting = self._later(self._started())
         try:
             return await asyncio.shield(starting)
         except asyncio.CancelledError:
