@@ -19,7 +19,8 @@ COMMAND = [sys.executable, "-m", "habilis.cli", "studio", "--no-browser"]
 @pytest.mark.parametrize("busy", [False, True])
 def test_it_prints_its_address_serves_and_ends_when_told_to(number, busy):
     with subprocess.Popen(COMMAND, stdout=-1, stderr=-1, text=True) as process:
-        line = process.stdout.readline()  # pyright: ignore
+        assert process.stdout is not None
+        line = process.stdout.readline()
         address = next(word for word in line.split() if word.startswith("http://127.0.0.1:"))
         with urllib.request.urlopen(address) as answer:
             assert answer.status == 200
@@ -40,7 +41,9 @@ def test_several_can_run_side_by_side_on_ports_that_are_free():
         subprocess.Popen(COMMAND, stdout=-1, text=True) as one,
         subprocess.Popen(COMMAND, stdout=-1, text=True) as other,
     ):
-        assert one.stdout.readline() != other.stdout.readline()  # pyright: ignore
+        assert one.stdout is not None
+        assert other.stdout is not None
+        assert one.stdout.readline() != other.stdout.readline()
         one.terminate()
         other.terminate()
 

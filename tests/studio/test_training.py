@@ -59,7 +59,8 @@ def check_view(there, run, **which):
     assert [tuple(p["agent"]) for p in view["episode"]["placements"]] == [p.agent for p in places]
     assert np.allclose(view["policy"]["episode"], policy[list(episode.states)], rtol=1e-4)
     assert np.allclose(np.sum(view["policy"]["episode"], axis=1), 1, atol=1e-3)
-    here = mdp.find(agent=(3, 3), tool=SMALL.tool_cell, object=SMALL.object)  # pyright: ignore
+    assert SMALL.tool_cell is not None
+    here = mdp.find(agent=(3, 3), tool=SMALL.tool_cell, object=SMALL.object)
     assert np.allclose(view["policy"]["cells"][3][3], policy[here], rtol=1e-4)
     assert view["values"][3][3] == pytest.approx(float(values[here]), rel=1e-4)
     assert view["values"][SMALL.object[0]][SMALL.object[1]] is None
