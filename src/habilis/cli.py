@@ -13,8 +13,8 @@ from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, parser
 from habilis.cli_learning import plot, sweep, train, watch
 from habilis.cli_output import console, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
+from habilis.worlds.reach import MAX_STATES
 from habilis.worlds.rules import ACTIONS
-from habilis.worlds.table import MAX_STATES
 from habilis.worlds.world import NO_TOOL, load_world, world_names
 
 

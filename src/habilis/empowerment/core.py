@@ -20,7 +20,8 @@ from habilis.empowerment.capacity import checked_tolerance, warn_of_gap
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
 from habilis.processors import processors
-from habilis.worlds.reach import Placement, reachable
+from habilis.worlds.placements import Placement
+from habilis.worlds.reach import reachable
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 

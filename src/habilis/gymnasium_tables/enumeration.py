@@ -13,6 +13,7 @@ from jaxtyping import Int32
 from habilis.gymnasium_tables.identity import frozen, identity, keep_counters
 from habilis.gymnasium_tables.minigrid import is_minigrid, minigrid_factors
 from habilis.mdp import TabularMDP
+from habilis.progress import progress_bar
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ def enumerate_states(
 ) -> Enumerated:
     """Breadth first from one state; see `TabularMDP.from_gymnasium`."""
     actions = action_count(env)
-    with first_state(env, seed) as (first, saved), _progress(show_progress) as tell:
+    with first_state(env, seed) as (first, saved), progress_bar("states", show_progress) as tell:
         mark = key or saved.identity
         place: dict[Hashable, int] = {mark(first): 0}
         found, ended = [saved.save(first)], [False]
@@ -218,18 +219,3 @@ def _labels(name: str, values: list[int]) -> Int32[np.ndarray, "S"]:
     if labels.ndim != 1 or labels.dtype.kind not in "biu":
         raise ValueError(f"factor {name!r} is not a whole number in every state; return an int")
     return labels.astype(np.int32)
-
-
-@contextmanager
-def _progress(show: bool) -> Iterator[Callable[[int, int], None]]:
-    """A function that is told how many states are done and how many known."""
-    if not show:
-        yield lambda done, known: None
-        return
-    from rich.console import Console
-    from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn
-
-    columns = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("states")
-        yield lambda done, known: bar.update(task, completed=done, total=known)

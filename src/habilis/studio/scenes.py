@@ -12,8 +12,8 @@ from habilis.mdp import TabularMDP
 from habilis.studio.fields import cell, checked, number, one_of, text
 from habilis.studio.limits import HORIZON, SIDES, SLIP
 from habilis.worlds.characters import COMMENT
-from habilis.worlds.map_text import bindings, map_lines
-from habilis.worlds.reach import Placement
+from habilis.worlds.map_text import header, map_lines
+from habilis.worlds.placements import Placement
 from habilis.worlds.tools import TOOLS
 from habilis.worlds.world import NO_TOOL, Cell, World
 
@@ -137,9 +137,9 @@ def check_size(world: World) -> None:
 @lru_cache(256)
 def _world(drawn: str, tool: str, tools: tuple[tuple[str, str], ...]) -> World:
     """A world from a map without lines that bind characters: these would run any file."""
-    bound, _ = bindings(map_lines(drawn, _MAP), _MAP)
-    if bound:
-        line = next(iter(bound.values()))[0]
+    head, _ = header(map_lines(drawn, _MAP), _MAP)
+    if head.bound:
+        line = next(iter(head.bound.values()))[0]
         raise ValueError(
             f"{_MAP}, line {line}: binds a character to a tool; start the studio with "
             "--tool FILE.py:CLASS, and leave the line out"

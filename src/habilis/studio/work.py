@@ -21,8 +21,9 @@ from habilis.empowerment.usefulness import usefulness
 from habilis.mdp import TabularMDP
 from habilis.studio.limits import GIB, SECONDS
 from habilis.studio.scenes import ELSEWHERE, Scene, placement_of
+from habilis.worlds.placements import Placement
 from habilis.worlds.plans import solve
-from habilis.worlds.reach import Placement, reachable
+from habilis.worlds.reach import reachable
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import NO_TOOL, World
 

@@ -32,6 +32,7 @@ def answers(
     *step: int,
     where: Flags,
     elsewhere: Any,
+    seen: Cells | None = None,
 ) -> Any:
     """What a tool says of the placements in which it is in hand.
 
@@ -43,23 +44,33 @@ def answers(
         step: of the move or swing; none for "attached".
         where: in which the tool is in hand.
         elsewhere: what to return for all others, an array of the shape of the cells.
+        seen: for a tool that sees, the first cell ahead of it where something is.
 
     Raises:
         ValueError: it fails, or its answer is of another shape or kind, or no place on the map.
     """
     if where.all():
-        return ask(grid, rule, method, placements, *step)
+        return ask(grid, rule, method, placements, *step, seen=seen)
     told = elsewhere.copy()
     if where.any():
         agent, tool, thing = (cells[where] for cells in placements)
-        told[where] = ask(grid, rule, method, (agent, tool, thing), *step)
+        seen = None if seen is None else seen[where]
+        told[where] = ask(grid, rule, method, (agent, tool, thing), *step, seen=seen)
     return told
 
 
-def ask(grid: "Grid", rule: Tool, method: Method, placements: Placements, *step: int) -> Any:
+def ask(
+    grid: "Grid",
+    rule: Tool,
+    method: Method,
+    placements: Placements,
+    *step: int,
+    seen: Cells | None = None,
+) -> Any:
     """What a tool says of placements in all of which it is in hand; see `answers`."""
+    more = {} if seen is None else {"seen": _unwritable(seen)}
     try:
-        told = np.asarray(getattr(rule, method)(*map(_unwritable, placements), *step))
+        told = np.asarray(getattr(rule, method)(*map(_unwritable, placements), *step, **more))
     except (Exception, SystemExit) as error:
         mend = _WRITE if "read-only" in str(error) else "mend it"
         raise refusal(rule, method, f"fails with {failure(error)}", mend) from error

@@ -16,15 +16,19 @@ _TAKEN = {
 }
 
 
-def check_free(character: object) -> None:
-    """Refuses what cannot stand for a tool on a map.
+def check_free(character: object, but: str = "") -> None:
+    """Refuses what cannot stand for a tool, or something else of one's own, on a map.
+
+    Args:
+        character: what is to stand for it.
+        but: a character that may, though a map has another use for it.
 
     Raises:
         ValueError: it is not one printable character, or a map needs it for something else.
     """
     if not isinstance(character, str) or len(character) != 1 or not character.isprintable():
         raise ValueError(f"character is {character!r}; give one printable character, such as 'R'")
-    if character.isspace() or character in _TAKEN:
+    if character.isspace() or (character in _TAKEN and character != but):
         meaning = _TAKEN.get(character, "nothing")
         raise ValueError(
             f"character {character!r} stands for {meaning} on a map; give another, such as 'R'"

@@ -1,12 +1,18 @@
 """The lines of a map's text: what is above the map, and its rows."""
 
 import re
+from dataclasses import dataclass
 
-from habilis.worlds.characters import BINDS, COMMENT, check_free
+from habilis.worlds.characters import BINDS, COMMENT
+
+DROP = "drop"
+"""The setting above a map that lets the agent put down its tool."""
 
 _BYTE_ORDER_MARK = "\ufeff"  # what some editors put at the start of a file
-# What binds a character above the map; no row of a map has a small letter or a colon.
+# What binds a character above the map, or sets something; no row of a map has a small letter or a
+# colon.
 _BINDING = re.compile(rf"(\S)\s*{BINDS}\s*(.*[a-z:].*)")
+_SETTING = re.compile(r"([a-z]+)\s*:\s*(\S+)")
 _EMPTY = "the map is empty; draw at least one row, such as 'AP.CG'"
 
 Lines = list[tuple[int, str]]
@@ -29,20 +35,35 @@ def map_lines(text: str, name: str) -> Lines:
     return lines
 
 
-def bindings(lines: Lines, name: str) -> tuple[dict[str, tuple[int, str]], Lines]:
-    """What lines above the map bind, by character with the line's number; and the map's rows."""
+@dataclass(frozen=True)
+class Header:
+    """What stands above a map.
+
+    Attributes:
+        bound: by character the line's number and what it binds the character to.
+        drop: whether a tool may be put down.
+    """
+
+    bound: dict[str, tuple[int, str]]
+    drop: bool = False
+
+
+def header(lines: Lines, name: str) -> tuple[Header, Lines]:
+    """What lines above the map say, and the map's rows."""
     bound: dict[str, tuple[int, str]] = {}
+    drop = False
     rows = list(lines)
-    while rows and (not rows[0][1] or _BINDING.fullmatch(rows[0][1])):
+    while rows and (
+        not rows[0][1] or _BINDING.fullmatch(rows[0][1]) or _SETTING.fullmatch(rows[0][1])
+    ):
         line, text = rows.pop(0)
+        setting = _SETTING.fullmatch(text)
+        if setting is not None:
+            drop = _drop(f"{name}, line {line}", *setting.groups())
         found = _BINDING.fullmatch(text)
         if found is None:
             continue
         character, kind = found.groups()
-        try:
-            check_free(character)
-        except ValueError as error:
-            raise ValueError(f"{name}, line {line}: {error}") from None
         if character in bound:
             raise ValueError(
                 f"{name}, line {line}: {character!r} is bound a second time, first in line "
@@ -51,4 +72,12 @@ def bindings(lines: Lines, name: str) -> tuple[dict[str, tuple[int, str]], Lines
         bound[character] = line, kind
     if not rows:
         raise ValueError(f"{name}: {_EMPTY}")
-    return bound, rows
+    return Header(bound, drop), rows
+
+
+def _drop(place: str, setting: str, value: str) -> bool:
+    if setting != DROP:
+        raise ValueError(f"{place}: setting {setting!r} is unknown; the only one is {DROP!r}")
+    if value not in ("true", "false"):
+        raise ValueError(f"{place}: {DROP} is {value!r}; say 'true' or 'false'")
+    return value == "true"

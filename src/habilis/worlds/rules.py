@@ -1,17 +1,23 @@
 """The rule that moves things, written once, over arrays of placements."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from jaxtyping import Bool
 
 from habilis.worlds.answers import NEAR, answers
-from habilis.worlds.tools import Cells, Tool
+from habilis.worlds.things import OBJECTS, ObjectKind
+from habilis.worlds.tools import Cells, Flags, Tool
 from habilis.worlds.world import Cell, World
 
 MOVES = ("north", "east", "south", "west")
 ACTIONS = (*MOVES, *(f"tool {side}" for side in MOVES))
 """Names of the actions in their order: 0 to 3 move the agent, 4 to 7 put the tool on a side."""
+DROP, DROP_NAME = len(ACTIONS), "drop"
+"""The action that puts the tool down, in worlds that have it."""
+NONE = -1
+"""Stands for no tool, where one is told by its place among them."""
 
 BORDER = NEAR
 """Cells around the map, and how far at most from agent, tool or its own cell an object lands: so
@@ -74,45 +80,203 @@ class Grid:
         return (distance == 1) | (distance == self.stride)
 
 
-def successor(
-    grid: Grid, rule: Tool | None, action: int, agent: Cells, tool: Cells, thing: Cells
-) -> tuple[Cells, Cells, Cells]:
-    """Where agent, tool and object are after one action: rules 1 to 5 of the worlds.
+@dataclass(frozen=True)
+class Kinds:
+    """What the things of a world are, which decides on how they move."""
+
+    tools: tuple[Tool, ...]
+    objects: tuple[ObjectKind, ...]
+
+    @classmethod
+    def of(cls, world: World) -> "Kinds":
+        return cls(world.rules, tuple(OBJECTS[thing.kind] for thing in world.objects))
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where everything is, in one placement an entry.
+
+    Attributes:
+        agent: its cells.
+        tools, objects: those of each tool and object.
+        held: which tool is in hand; -1 for none.
+        laid: which tool was put down and not left since; -1 for none.
+    """
+
+    agent: Cells
+    tools: tuple[Cells, ...]
+    objects: tuple[Cells, ...]
+    held: Cells
+    laid: Cells | None = None
+
+    @classmethod
+    def of(
+        cls,
+        grid: Grid,
+        agent: Cells,
+        tools: tuple[Cells, ...],
+        objects: tuple[Cells, ...],
+        drop: bool = False,
+    ) -> "Places":
+        """With the first tool beside the agent in hand."""
+        none = np.full(np.shape(agent), NONE)
+        return taken_up(grid, cls(agent, tools, objects, none, none if drop else None))
+
+    @property
+    def cells(self) -> tuple[Cells, ...]:
+        """Of agent, tools and objects."""
+        return self.agent, *self.tools, *self.objects
+
+    def part(self, which: slice) -> "Places":
+        """Some of the placements."""
+        return Places(
+            self.agent[which],
+            tuple(cells[which] for cells in self.tools),
+            tuple(cells[which] for cells in self.objects),
+            self.held[which],
+            None if self.laid is None else self.laid[which],
+        )
+
+
+def successor(grid: Grid, kinds: Kinds, action: int, at: Places, works: bool = True) -> Places:
+    """Where everything is after one action: rules 1 to 5 of the worlds.
 
     Args:
         grid: the map.
-        rule: how the tool moves the object; `None` in a world without a tool.
-        action: 0 to 3 move the agent north, east, south, west; 4 to 7 put the tool there.
-        agent, tool, thing: their cells, one placement an entry.
+        kinds: how tools and objects move.
+        action: 0 to 3 move the agent north, east, south, west; 4 to 7 put the tool there; 8 puts
+            it down.
+        at: where everything is before.
+        works: whether the tool in hand does to objects what it does.
 
     Returns:
-        The cells of agent, tool and object; unchanged wherever one of them would have come
-        onto a wall or onto another.
+        Where everything is; unchanged wherever something would have come onto a wall or onto
+        another thing. What is taken up then, `taken_up` says.
 
     Raises:
-        ValueError: the tool does not answer as a tool must.
+        ValueError: a tool does not answer as a tool must.
     """
+    if action == DROP:
+        return replace(at, held=np.full_like(at.held, NONE), laid=at.held)
     step = grid.steps[action % 4]
-    equipped = grid.adjacent(agent, tool)
-    if action < 4:
-        new_agent = agent + step
-        new_tool = np.where(equipped, tool + step, tool)
-        new_thing = thing
-        if rule is not None:
-            new_thing = answers(
-                grid, rule, "carry", (agent, tool, thing), step, where=equipped, elsewhere=thing
-            )
-        new_thing = np.where(new_agent == thing, thing + step, new_thing)
-    else:
-        new_agent, new_tool, new_thing = agent, np.where(equipped, agent + step, tool), thing
-        if rule is not None:
-            new_thing = answers(
-                grid, rule, "swing", (agent, tool, thing), step, where=equipped, elsewhere=thing
-            )
-    stays = grid.wall[new_agent] | grid.wall[new_tool] | grid.wall[new_thing]
-    stays |= (new_agent == new_tool) | (new_agent == new_thing) | (new_tool == new_thing)
-    return (
-        np.where(stays, agent, new_agent),
-        np.where(stays, tool, new_tool),
-        np.where(stays, thing, new_thing),
+    carried = action < len(MOVES)
+    agent = at.agent + step if carried else at.agent
+    tools = tuple(
+        np.where(at.held == index, (tool if carried else at.agent) + step, tool)
+        for index, tool in enumerate(at.tools)
     )
+    to = replace(at, agent=agent, tools=tools)
+    objects = [_moved(grid, kinds, action, at, to, one, works) for one in range(len(at.objects))]
+    to = replace(to, objects=tuple(objects))
+    stays = _clash(grid, to.cells)
+    for one, kind in enumerate(kinds.objects):
+        if kind.slides:
+            objects[one] = _slid(grid, kinds, at, to, one, ~stays)
+            to = replace(to, objects=tuple(objects))
+    return replace(
+        to,
+        agent=np.where(stays, at.agent, to.agent),
+        tools=_unless(stays, at.tools, to.tools),
+        objects=_unless(stays, at.objects, to.objects),
+    )
+
+
+def taken_up(grid: Grid, at: Places) -> Places:
+    """The same with the first tool beside the agent in hand, where none is (rule 1).
+
+    A tool that was put down has to be left first.
+    """
+    held, laid = at.held, at.laid
+    if laid is not None:
+        left = np.ones(laid.shape, bool)
+        for index, tool in enumerate(at.tools):
+            left &= ~((laid == index) & grid.adjacent(at.agent, tool))
+        laid = np.where(left, NONE, laid)
+    for index in reversed(range(len(at.tools))):
+        taken = (at.held == NONE) & grid.adjacent(at.agent, at.tools[index])
+        if laid is not None:
+            taken &= laid != index
+        held = np.where(taken, index, held)
+    return replace(at, held=held, laid=laid)
+
+
+def attached(grid: Grid, kinds: Kinds, at: Places, one: int) -> Flags:
+    """Whether an object goes wherever the tool in hand goes (rule 4)."""
+    found = np.zeros(at.held.shape, bool)
+    if kinds.objects[one].pulled:
+        for index, rule in enumerate(kinds.tools):
+            places = at.agent, at.tools[index], at.objects[one]
+            held = at.held == index
+            found = answers(grid, rule, "attached", places, where=held, elsewhere=found)
+    return found
+
+
+def _moved(
+    grid: Grid, kinds: Kinds, action: int, at: Places, to: Places, one: int, works: bool
+) -> Cells:
+    """Where an object is when agent and tool have gone from `at` to `to`."""
+    carried, step = action < len(MOVES), grid.steps[action % 4]
+    thing = at.objects[one]
+    new = thing
+    for index, rule in enumerate(kinds.tools if works else ()):
+        seen = None
+        if getattr(rule, "sees", False):
+            others = (*at.tools[:index], *at.tools[index + 1 :], *at.objects)
+            seen = _ahead(grid, to.tools[index], step, others)
+        method = "carry" if carried else "swing"
+        places, held = (at.agent, at.tools[index], thing), at.held == index
+        new = answers(grid, rule, method, places, step, where=held, elsewhere=new, seen=seen)
+    if not kinds.objects[one].pulled:
+        pushed = (new == thing + step) & _is_ahead(grid, at.agent, thing, step)
+        new = np.where(carried & pushed & ~_held_fast(grid, kinds, at, one), new, thing)
+    return np.where(to.agent == thing, thing + step, new) if carried else new
+
+
+def _held_fast(grid: Grid, kinds: Kinds, at: Places, one: int) -> Flags:
+    """Whether the tool in hand would hold an object if it could be held."""
+    held = tuple(replace(kind, pulled=True) for kind in kinds.objects)
+    return attached(grid, replace(kinds, objects=held), at, one)
+
+
+def _slid(grid: Grid, kinds: Kinds, at: Places, to: Places, one: int, free: Flags) -> Cells:
+    """Where an object that was set going stops."""
+    was, new = at.objects[one], to.objects[one]
+    way = np.where(free & ~attached(grid, kinds, at, one), new - was, 0)
+    goes = np.isin(way, grid.steps)
+    others = to.agent, *to.tools, *to.objects[:one], *to.objects[one + 1 :]
+    way = way[goes]
+    stopped = new.copy()
+    stopped[goes] = _ahead(grid, new[goes], way, tuple(cells[goes] for cells in others)) - way
+    return stopped
+
+
+def _ahead(grid: Grid, cells: Cells, step: Cells | int, things: tuple[Cells, ...]) -> Cells:
+    """The first cell straight on from some that holds a wall or a thing."""
+    cells = cells + step
+    while True:
+        taken = grid.wall[cells]
+        for thing in things:
+            taken |= cells == thing
+        if taken.all():
+            return cells
+        cells = np.where(taken, cells, cells + step)
+
+
+def _is_ahead(grid: Grid, agent: Cells, thing: Cells, step: int) -> Flags:
+    """Whether a step in this direction leads no closer to a thing's own side of the agent."""
+    rows, columns = (b - a for a, b in zip(*(np.divmod(c, grid.stride) for c in (agent, thing))))
+    return (rows * np.sign(step) if abs(step) > 1 else columns * step) >= 0
+
+
+def _clash(grid: Grid, cells: tuple[Cells, ...]) -> Flags:
+    """Where one of these is on a wall, or on another."""
+    found = grid.wall[cells[0]]
+    for one in cells[1:]:
+        found |= grid.wall[one]
+    for one, other in combinations(cells, 2):
+        found |= one == other
+    return found
+
+
+def _unless(stays: Flags, old: tuple[Cells, ...], new: tuple[Cells, ...]) -> tuple[Cells, ...]:
+    return tuple(np.where(stays, one, other) for one, other in zip(old, new, strict=True))

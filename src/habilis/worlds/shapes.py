@@ -174,6 +174,37 @@ _BROOM: Drawing = (
     _polygon(_STRAW, (0.27, 0.695), (0.298, 0.66), (0.702, 0.66), (0.73, 0.695)),  # stitching
     _box(_RED, 0.35, 0.48, 0.65, 0.61, 0.05),  # collar
 )
+_RAKE: Drawing = (
+    _box("#9c6430", 0.46, 0.02, 0.54, 0.66, 0.04),  # handle
+    _box(_INK, 0.14, 0.64, 0.86, 0.74, 0.04),  # bar
+    *(_rod(_INK, 0.07, (x, 0.72), (x, 0.92)) for x in (0.18, 0.34, 0.5, 0.66, 0.82)),  # teeth
+)
+_STICK: Drawing = (
+    _rod("#9c6430", 0.12, (0.5, 0.08), (0.5, 0.92)),
+    _rod("#c98a4b", 0.035, (0.475, 0.14), (0.475, 0.6)),
+    _box(_RED, 0.41, 0.8, 0.59, 0.88, 0.03),  # ring at the end
+)
+_MAGNET: Drawing = (  # a horseshoe, open to the south
+    _bow(_RED, 0.5, 0.4, 0.23, 0.2, 2.0, 4.0),
+    _box(_RED, 0.17, 0.38, 0.37, 0.68, 0.0),
+    _box(_RED, 0.63, 0.38, 0.83, 0.68, 0.0),
+    _box(_SILVER, 0.17, 0.68, 0.37, 0.9, 0.0),  # poles
+    _box(_SILVER, 0.63, 0.68, 0.83, 0.9, 0.0),
+    _box(_INK, 0.17, 0.66, 0.37, 0.7, 0.0),
+    _box(_INK, 0.63, 0.66, 0.83, 0.7, 0.0),
+)
+_BALL: Drawing = (
+    _circle(_BLUE, 0.5, 0.52, 0.34),
+    _bow(_WHITE, 0.16, 0.52, 0.3, 0.05, -0.75, 0.75),  # seams
+    _bow(_WHITE, 0.84, 0.52, 0.3, 0.05, 1.25, 2.75),
+    _circle("#5aa9d6", 0.42, 0.34, 0.07),  # gleam
+)
+_CRATE: Drawing = (
+    _box("#9c6430", 0.12, 0.14, 0.88, 0.9, 0.03),
+    _box("#c98a4b", 0.2, 0.22, 0.8, 0.82, 0.0),
+    _rod("#9c6430", 0.1, (0.24, 0.26), (0.76, 0.78)),  # brace
+    _box("#9c6430", 0.2, 0.5, 0.8, 0.54, 0.0),
+)
 _TOOL: Drawing = (  # a spanner, for tools that say nothing of how they look
     _bow(_INK, 0.5, 0.17, 0.095, 0.07, 0.0, 4.0),  # ring
     _polygon(_VIOLET, (0.44, 0.27), (0.56, 0.27), (0.58, 0.6), (0.42, 0.6)),  # handle
@@ -216,8 +247,13 @@ SHAPES: dict[str, Drawing] = {
     "agent": _AGENT,
     "picker": _PICKER,
     "broom": _BROOM,
+    "rake": _RAKE,
+    "stick": _STICK,
+    "magnet": _MAGNET,
     "tool": _TOOL,
     "can": _CAN,
+    "ball": _BALL,
+    "crate": _CRATE,
     "bin": _BIN,
     "full bin": _FULL_BIN,
 }

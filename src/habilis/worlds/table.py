@@ -1,21 +1,30 @@
 """From a world to its table."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Int32
 
 from habilis.mdp import TabularMDP
-from habilis.worlds.answers import answers
-from habilis.worlds.rules import ACTIONS, MOVES, Grid, successor
+from habilis.worlds.described import actions_of, describe, rewards
+from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
+from habilis.worlds.reach import MAX_STATES, reachable
+from habilis.worlds.rules import Grid, Kinds, Places, successor
 from habilis.worlds.tools import Cells
 from habilis.worlds.world import Cell, World
 
-MAX_STATES = 50_000_000
 _BLOCK = 1 << 14  # placements moved at once: the arrays of one block stay in the cache
 
 
-def tabulate(world: World, slip: float = 0.0, *, max_states: int = MAX_STATES) -> TabularMDP:
+def tabulate(
+    world: World,
+    slip: float = 0.0,
+    *,
+    starts: Sequence[Placement] | None = None,
+    max_states: int = MAX_STATES,
+    show_progress: bool = False,
+) -> TabularMDP:
     """Every placement of agent, tool and object, and what each action does to it.
 
     The states are all placements with the tool in hand, and all with the tool lying at its
@@ -23,26 +32,48 @@ def tabulate(world: World, slip: float = 0.0, *, max_states: int = MAX_STATES) -
     episode are rule 6 of the worlds: 0 for the transition that brings the object into the
     goal, which ends the episode, and -1 for every other.
 
+    In a world of several tools or objects, the states are all placements that can be reached from
+    the map's, and an episode ends when every object that has a goal is in it.
+
     Args:
-        world: the map; its tool decides on eight actions, or four without one.
+        world: the map; its tool decides on eight actions, or four without one; nine where it can
+            be put down.
         slip: the probability that the chosen action is replaced by one drawn uniformly from
             all (rule 7); above 0 the table is stochastic.
+        starts: in place of the map's own placement those from which others are reached, as in
+            `reachable`; the first is the table's start.
         max_states: how many placements to accept; each takes about 80 bytes, and 190 while the
             table is made.
+        show_progress: whether to draw a progress bar on standard error while placements are
+            reached.
 
     Returns:
         A table with factors "agent", "object" and, unless the tool is "none", "tool"; flags
-        "equipped" and "attached"; the map's placement as `start`.
+        "equipped" and "attached"; the map's placement as `start`. Of several tools and objects the
+        factors are "tool:picker", "object:can", and so on; "held", which tool is in hand, from 0
+        as in `World.tools`, -1 for none; and where tools can be put down "laid", which of them was
+        put down and not left since.
 
     Raises:
         ValueError: the map has more placements, or slip is no probability.
 
     Example:
-        >>> from habilis.worlds.world import Cell, World
+        >>> from habilis.worlds.world import World
         >>> tabulate(World.parse("A.CG", name="line")).actions
         ('north', 'east', 'south', 'west')
+        >>> several = World.parse("D = ball\\nH = goal of D\\nG = goal of C\\nA.CG\\nP.DH")
+        >>> list(tabulate(several).factors)
+        ['agent', 'tool:picker', 'object:can', 'object:ball', 'held']
     """
-    grid, rule = Grid.of(world), world.tool_rule
+    if world.several or starts is not None:
+        starts = [start_of(world)] if starts is None else starts
+        return reachable(world, starts, None, max_states, show_progress)[0].slippery(slip)
+    return _whole(world, max_states).slippery(slip)
+
+
+def _whole(world: World, max_states: int) -> TabularMDP:
+    """The table of a world with one object and at most one tool, all placements in it."""
+    grid, kinds = Grid.of(world), Kinds.of(world)
     hands = _hands(world, grid)
     most = len(hands) * len(grid.free)
     if most > max_states:
@@ -57,57 +88,36 @@ def tabulate(world: World, slip: float = 0.0, *, max_states: int = MAX_STATES) -
     state_of[hand, thing] = np.arange(len(hand), dtype=np.int32)
     hand_of = np.full((len(grid.wall), len(grid.wall)), -1, np.int32)
     hand_of[hands[:, 0], hands[:, 1]] = np.arange(len(hands))
-    agent, tool = hands[hand, 0], hands[hand, 1]
+    tools = [hands[hand, 1]] if world.tools else []
+    at = Places.of(grid, hands[hand, 0], tuple(tools), (thing,))
 
-    actions = MOVES if rule is None else ACTIONS
-    next_state = np.empty((len(hand), len(actions)), np.int32)
-    for first in range(0, len(hand), _BLOCK):
-        block = slice(first, first + _BLOCK)
-        for action in range(len(actions)):
-            to = successor(grid, rule, action, agent[block], tool[block], thing[block])
-            next_state[block, action] = state_of[hand_of[to[0], to[1]], to[2]]
-
-    start_tool = grid.nowhere if rule is None else _tool_cell(world, grid)
+    ways = [_led(grid, kinds, at, state_of, hand_of, len(actions_of(world)), True)]
+    if world.tool_slip:
+        ways.append(_led(grid, kinds, at, state_of, hand_of, len(actions_of(world)), False))
+    start_tool = _tool_cell(world, grid) if world.tools else grid.nowhere
     start = state_of[hand_of[grid.index(world.agent), start_tool], grid.index(world.object)]
-    return describe(world, grid, (agent, tool, thing), next_state, int(start)).slippery(slip)
+    return describe(world, grid, at, ways[0], int(start), *ways[1:])
 
 
-def describe(
-    world: World,
+def _led(
     grid: Grid,
-    placements: tuple[Cells, Cells, Cells],
-    next_state: Int32[np.ndarray, "S A"],
-    start: int,
-) -> TabularMDP:
-    """The table of some of a world's placements, given where they lead.
-
-    Args:
-        world: the map.
-        grid: its cells.
-        placements: the cells of agent, tool and object in each state.
-        next_state: int32[S, A].
-        start: the state in which episodes begin.
-    """
-    agent, tool, thing = placements
-    rule = world.tool_rule
-    terminal = thing == grid.index(world.goal)
-    equipped = grid.adjacent(agent, tool)
-    attached = np.zeros(len(thing), bool)
-    if rule is not None:
-        attached = answers(grid, rule, "attached", placements, where=equipped, elsewhere=attached)
-    cells = {"agent": agent, "tool": tool, "object": thing}
-    if rule is None:
-        del cells["tool"]
-    return TabularMDP(
-        transitions=next_state,
-        reward=_rewards(terminal, next_state),
-        terminal=terminal,
-        factors={name: grid.label(at).astype(np.int32) for name, at in cells.items()},
-        flags={"equipped": equipped, "attached": attached},
-        start=start,
-        shape=(world.height, world.width),
-        actions=MOVES if rule is None else ACTIONS,
-    )
+    kinds: Kinds,
+    at: Places,
+    state_of: Int32[np.ndarray, "hands cells"],
+    hand_of: Int32[np.ndarray, "cells cells"],
+    actions: int,
+    works: bool,
+) -> Int32[np.ndarray, "S A"]:
+    """Where each action leads."""
+    next_state = np.empty((len(at.agent), actions), np.int32)
+    for first in range(0, len(at.agent), _BLOCK):
+        block = slice(first, first + _BLOCK)
+        part = at.part(block)
+        for action in range(actions):
+            to = successor(grid, kinds, action, part, works)
+            tool = to.tools[0] if to.tools else grid.nowhere
+            next_state[block, action] = state_of[hand_of[to.agent, tool], to.objects[0]]
+    return next_state
 
 
 def restarted(mdp: TabularMDP, world: World) -> TabularMDP:
@@ -120,15 +130,11 @@ def restarted(mdp: TabularMDP, world: World) -> TabularMDP:
     return replace(
         mdp,
         terminal=terminal,
-        reward=_rewards(terminal, mdp.next_state),
+        reward=rewards(terminal, mdp.next_state),
         start=mdp.find(
             **{name: cell for name, cell in cells.items() if name in mdp.factors and cell}
         ),
     )
-
-
-def _rewards(terminal: np.ndarray, next_state: np.ndarray) -> np.ndarray:
-    return -(~terminal[next_state]).astype(np.float32)
 
 
 def placement(world: World, mdp: TabularMDP, state: int) -> World:
@@ -147,8 +153,21 @@ def placement(world: World, mdp: TabularMDP, state: int) -> World:
         row, column = divmod(int(mdp.factor(factor)[state]), world.width)
         return row, column
 
-    tool_cell = cell("tool") if "tool" in mdp.factors else world.tool_cell
-    return replace(world, agent=cell("agent"), object=cell("object"), tool_cell=tool_cell)
+    tools = [cell(name) for name in tool_factors(world)] or [world.tool_cell]
+    objects = [cell(name) for name in object_factors(world)]
+    return replace(
+        world,
+        agent=cell("agent"),
+        object=objects[0],
+        tool_cell=tools[0],
+        more_tools=tuple(
+            replace(tool, cell=at) for tool, at in zip(world.more_tools, tools[1:], strict=True)
+        ),
+        more_objects=tuple(
+            replace(thing, cell=at)
+            for thing, at in zip(world.more_objects, objects[1:], strict=True)
+        ),
+    )
 
 
 def _hands(world: World, grid: Grid) -> Cells:

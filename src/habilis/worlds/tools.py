@@ -31,6 +31,10 @@ class Tool(Protocol):
     the tool beside the agent. It may also have a `drawing` (`shapes.Drawing`), its working end to
     the south. `check_tool` says whether something is one.
 
+    A tool with an attribute `sees = True` is told more: `carry` and `swing` also get `seen=`, the
+    first cell straight on from where the tool goes, in the direction of `step`, that holds a wall
+    or a thing.
+
     Example:
         >>> class Rake:
         ...     character = "R"
@@ -120,7 +124,77 @@ class Broom:
         return thing
 
 
-TOOLS: dict[str, Tool] = {"picker": Picker(), "broom": Broom()}
+class Rake:
+    """Pulls an object beyond it, in line with the agent, when the agent backs away from it."""
+
+    character = "R"
+    drawing = SHAPES["rake"]
+
+    def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
+        return np.zeros(np.shape(thing), bool)
+
+    def carry(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
+        pulled = (thing - tool == tool - agent) & (step == agent - tool)
+        return np.where(pulled, thing + step, thing)
+
+    def swing(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
+        return thing
+
+
+class Stick:
+    """A broom two cells long: pushes what it, or its end one cell further on, is carried into.
+
+    Its end is in line with the agent and takes up no room: walls and things do not stop it.
+    """
+
+    character = "S"
+    drawing = SHAPES["stick"]
+
+    def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
+        return np.zeros(np.shape(thing), bool)
+
+    def carry(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
+        end = 2 * tool - agent
+        return np.where((tool + step == thing) | (end + step == thing), thing + step, thing)
+
+    def swing(self, agent: Cells, tool: Cells, thing: Cells, step: int) -> Cells:
+        return thing
+
+
+class Magnet:
+    """Put on a side, draws the first thing straight on from there one cell closer.
+
+    Put on the side where it is, it draws again. What is beside it comes no closer, and what stands
+    behind a wall or another thing is not drawn.
+    """
+
+    character = "M"
+    drawing = SHAPES["magnet"]
+    sees = True
+
+    def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
+        return np.zeros(np.shape(thing), bool)
+
+    def carry(
+        self, agent: Cells, tool: Cells, thing: Cells, step: int, seen: Cells | None = None
+    ) -> Cells:
+        return thing
+
+    def swing(
+        self, agent: Cells, tool: Cells, thing: Cells, step: int, seen: Cells | None = None
+    ) -> Cells:
+        return np.where((thing == seen) & (thing != agent + 2 * step), thing - step, thing)
+
+
+TOOLS: dict[str, Tool] = {
+    "picker": Picker(),
+    "broom": Broom(),
+    "rake": Rake(),
+    "stick": Stick(),
+    "magnet": Magnet(),
+}
+UNBOUND = ("picker", "broom")
+"""Those whose characters stand for them on every map; others are bound above it."""
 
 
 def name_of(tool: Tool) -> str:

@@ -5,15 +5,14 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from habilis.worlds.characters import AGENT, BINDS, FLOOR, GOAL, OBJECT, WALL
-from habilis.worlds.map_text import bindings, map_lines
-from habilis.worlds.own_tools import as_tool, beside, is_in_file, is_own, located, tool_named
-from habilis.worlds.tools import TOOLS, Tool, name_of
+from habilis.worlds.characters import FLOOR, WALL
+from habilis.worlds.map_writing import binding, header_of, marks_of
+from habilis.worlds.own_tools import as_tool, is_in_file, is_own, located, tool_named
+from habilis.worlds.parsing import numbered, parsed
+from habilis.worlds.things import CAN, PlacedObject, PlacedTool
+from habilis.worlds.things import Cell as Cell
+from habilis.worlds.tools import Tool, name_of
 
-Cell = tuple[int, int]
-"""(row, column), row 0 at the top."""
-
-TOOL = "tool"  # any tool's character: a map has one tool at most
 NO_TOOL = "none"
 
 
@@ -43,6 +42,11 @@ class World:
     tool: str = NO_TOOL
     tool_cell: Cell | None = None
     own: tuple[str, Tool] | None = field(default=None, repr=False, hash=False)
+    object_kind: str = CAN
+    tool_slip: float = 0.0
+    more_tools: tuple[PlacedTool, ...] = ()
+    more_objects: tuple[PlacedObject, ...] = ()
+    drop: bool = False
 
     def __post_init__(self) -> None:
         """Finds its own tool, refuses things that are not on free cells or are on each other.
@@ -55,15 +59,19 @@ class World:
             object.__setattr__(self, "own", own)
         tool_rule = self.tool_rule
         if tool_rule is not None and self.tool_cell is None:
-            binding = f", and a line {self._binding!r} above the map" if self._binding else ""
+            line = binding(tool_rule.character, self.tool)
+            above = f", and a line {line!r} above the map" if line else ""
             raise ValueError(
                 f"{self.name}: the map has no tool whose place a {self.tool} could take; "
-                f"put {tool_rule.character!r} on a floor cell{binding}"
+                f"put {tool_rule.character!r} on a floor cell{above}"
             )
-        placed = {"agent": self.agent, "can": self.object}
-        if tool_rule is not None and self.tool_cell is not None:
-            placed["tool"] = self.tool_cell
-        for thing, cell in {**placed, "goal": self.goal}.items():
+        placed = {"agent": self.agent, self.object_kind: self.object}
+        placed |= {tool.name if self.several else "tool": tool.cell for tool in self.tools}
+        placed |= {thing.name: thing.cell for thing in self.more_objects}
+        goals = {"goal": self.goal} | {
+            f"goal of {thing.name}": thing.goal for thing in self.more_objects if thing.goal
+        }
+        for thing, cell in {**placed, **goals}.items():
             row, column = cell
             if not (0 <= row < self.height and 0 <= column < self.width) or cell in self.walls:
                 raise ValueError(
@@ -89,8 +97,8 @@ class World:
             The world.
 
         Raises:
-            ValueError: the map is ragged or empty, has an unknown character, or does not have
-                exactly one agent, can and goal and at most one tool, or a tool of one's own is
+            ValueError: the map is ragged or empty, has an unknown character or one of them twice,
+                has no agent, object or goal, or a goal of no object, or a tool of one's own is
                 none. The message names line and column (both from 1) and the mend.
 
         Example:
@@ -99,66 +107,7 @@ class World:
             >>> World.parse("X = broom\nAX.CG").tool
             'broom'
         """
-        bound, lines = bindings(map_lines(text, name), name)
-        width = len(lines[0][1])
-        tool_of = {tool.character: kind for kind, tool in TOOLS.items()}
-        tool_of |= {character: kind for character, (_, kind) in bound.items()}
-        known = {WALL, FLOOR, AGENT, OBJECT, GOAL, *tool_of}
-        walls: set[Cell] = set()
-        seen: dict[str, tuple[Cell, str, str]] = {}
-        for row, (line, cells) in enumerate(lines):
-            if len(cells) != width:
-                column = min(len(cells), width) + 1
-                raise ValueError(
-                    f"{name}, line {line}, column {column}: the row has {len(cells)} cells and the "
-                    f"first row has {width}; make all rows equally long"
-                )
-            for column, character in enumerate(cells):
-                place = f"line {line}, column {column + 1}"
-                if character not in known:
-                    raise ValueError(
-                        f"{name}, {place}: unknown character {character!r}; use one of "
-                        f"{' '.join(sorted(known))}, or bind it above the map, as in "
-                        "'R = mytools.py:Rake'"
-                    )
-                if character == WALL:
-                    walls.add((row, column))
-                elif character != FLOOR:
-                    role = TOOL if character in tool_of else character
-                    if role in seen:
-                        raise ValueError(
-                            f"{name}, {place}: a second {_ROLE_NAMES[role]} {character!r}, the "
-                            f"first is at {seen[role][1]}; keep one and put {FLOOR!r} for the other"
-                        )
-                    seen[role] = ((row, column), place, character)
-        for role in (AGENT, OBJECT, GOAL):
-            if role not in seen:
-                raise ValueError(
-                    f"{name}: the map has no {_ROLE_NAMES[role]}; put one {role!r} on a floor cell"
-                )
-        tool, own = NO_TOOL, None
-        if TOOL in seen:
-            character = seen[TOOL][2]
-            tool = tool_of[character]
-            if character in bound:
-                tool = tool if folder is None else beside(folder, tool)
-                try:
-                    own = (tool, tool_named(tool))
-                except ValueError as error:
-                    line = bound[character][0]
-                    raise type(error)(f"{name}, line {line}: {error}") from None
-        return cls(
-            name=name,
-            height=len(lines),
-            width=width,
-            walls=frozenset(walls),
-            agent=seen[AGENT][0],
-            object=seen[OBJECT][0],
-            goal=seen[GOAL][0],
-            tool=tool,
-            tool_cell=seen[TOOL][0] if TOOL in seen else None,
-            own=own if is_own(tool) else None,
-        )
+        return cls(**parsed(text, name, folder))
 
     def with_tool(self, tool: str | Tool | type) -> "World":
         """The same map with another tool in the place of its own ("none" leaves plain floor).
@@ -173,11 +122,69 @@ class World:
         Raises:
             ValueError: no such tool, or the map has no cell marked for a tool.
         """
-        if isinstance(tool, str):
-            return replace(self, tool=tool, own=None)
-        tool = as_tool(tool)
-        name = name_of(tool)
-        return replace(self, tool=name, own=(name, tool) if is_own(name) else None)
+        if not isinstance(tool, str):
+            tool = as_tool(tool)
+            name = name_of(tool)
+            own = (name, tool) if is_own(name) else None
+            return replace(self.with_tool(NO_TOOL), tool=name, own=own)
+        there = next((one for one in self.tools if one.kind == tool), None)
+        changed: dict[str, Any] = {"tool": tool, "own": None, "tool_slip": 0.0, "more_tools": ()}
+        if there is not None:
+            changed |= {"tool_cell": there.cell, "tool_slip": there.slip}
+            changed["own"] = self.own if there == self.tools[0] else None
+        return replace(self, **changed, drop=self.drop and tool != NO_TOOL)
+
+    def with_object(self, name: str) -> "World":
+        """The same map with one of its objects alone.
+
+        Args:
+            name: of the object, as in `objects`.
+
+        Returns:
+            Another world. An object that has no goal has the world's.
+
+        Raises:
+            ValueError: no such object.
+        """
+        there = {thing.name: thing for thing in self.objects}
+        if name not in there:
+            raise ValueError(f"{self.name} has no {name!r}; name one of {', '.join(there)}")
+        thing = there[name]
+        return replace(
+            self,
+            object=thing.cell,
+            object_kind=thing.kind,
+            goal=thing.goal or self.goal,
+            more_objects=(),
+        )
+
+    @property
+    def several(self) -> bool:
+        """Whether there is more than one tool or object, or tools can be put down."""
+        return bool(self.more_tools or self.more_objects or self.drop)
+
+    @property
+    def tools(self) -> tuple[PlacedTool, ...]:
+        """All tools, in the order in which the map is read."""
+        if self.tool == NO_TOOL or self.tool_cell is None:
+            return self.more_tools
+        kinds = [self.tool, *(tool.kind for tool in self.more_tools)]
+        return PlacedTool(numbered(kinds)[0], self.tool, self.tool_cell, self.tool_slip), *(
+            self.more_tools
+        )
+
+    @property
+    def objects(self) -> tuple[PlacedObject, ...]:
+        """All objects, those with goals first."""
+        kinds = [self.object_kind, *(thing.kind for thing in self.more_objects)]
+        first = PlacedObject(numbered(kinds)[0], self.object_kind, self.object, self.goal)
+        return first, *self.more_objects
+
+    @property
+    def rules(self) -> tuple[Tool, ...]:
+        """How each of the tools moves objects."""
+        first = () if self.tool_rule is None else (self.tool_rule,)
+        return *first, *(tool.rule for tool in self.more_tools)
 
     @property
     def tool_rule(self) -> Tool | None:
@@ -202,24 +209,16 @@ class World:
 
     def text(self) -> str:
         """The map as text, which `World.parse` reads back."""
-        above = [self._binding] if self._binding else []
-        return "\n".join([*above, *self.rows]) + "\n"
-
-    @property
-    def _binding(self) -> str | None:
-        """The line above the map that says which tool of one's own a character stands for."""
-        return self.own and f"{self.own[1].character} {BINDS} {self.tool}"
+        return "\n".join([*header_of(self), *self.rows]) + "\n"
 
     @property
     def rows(self) -> tuple[str, ...]:
         """The rows of the map, one character a cell."""
         cells = [[FLOOR] * self.width for _ in range(self.height)]
-        marks = [(cell, WALL) for cell in self.walls]
-        marks += [(self.goal, GOAL), (self.object, OBJECT), (self.agent, AGENT)]
-        if self.tool_rule is not None and self.tool_cell is not None:
-            marks.append((self.tool_cell, self.tool_rule.character))
-        for (row, column), character in marks:
-            cells[row][column] = character
+        for cell in self.walls:
+            cells[cell[0]][cell[1]] = WALL
+        for mark in marks_of(self):
+            cells[mark.cell[0]][mark.cell[1]] = mark.character
         return tuple("".join(row) for row in cells)
 
 
@@ -227,9 +226,6 @@ def _world(values: dict[str, Any], place: str | None = None) -> World:
     """A world from its fields, and perhaps where its own tool is to be read."""
     own: Any = values["own"] if place is None else (values["tool"], tool_named(place))
     return World(**(values | {"own": own}))
-
-
-_ROLE_NAMES = {AGENT: "agent", OBJECT: "can", GOAL: "goal", TOOL: "tool"}
 
 
 def world_names() -> list[str]:

@@ -1,0 +1,196 @@
+"""From a map's text to the things of a world."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, WALL, check_free
+from habilis.worlds.map_text import Header, Lines, header, map_lines
+from habilis.worlds.own_tools import beside, is_own, tool_named
+from habilis.worlds.things import CAN, OBJECTS, Cell, PlacedObject, PlacedTool
+from habilis.worlds.tools import TOOLS, UNBOUND
+
+TOOL = "tool"
+_GOAL_OF = re.compile(r"goal of (\S)")
+_SLIP = re.compile(r"(.+?)\s+slip\s+(\S+)")
+_ROLES = {AGENT: "agent", OBJECT: CAN, GOAL: "goal", TOOL: "tool"}
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a character of a map stands for.
+
+    Attributes:
+        role: `AGENT`, `OBJECT`, `GOAL` or `TOOL`.
+        kind: of object or tool; of a goal the character of its object, "" if it is not said.
+        slip: of a tool, see `PlacedTool`.
+    """
+
+    role: str
+    kind: str = ""
+    slip: float = 0.0
+
+
+def parsed(text: str, name: str, folder: Path | None) -> dict[str, Any]:
+    """The fields of a world from its map's text; see `World.parse`."""
+    head, lines = header(map_lines(text, name), name)
+    meanings = _meanings(head, name, folder)
+    walls, marks = _read(lines, meanings, name)
+    roles = {meanings[mark].role for mark in marks}
+    for role in (AGENT, OBJECT, GOAL):
+        if role not in roles:
+            raise ValueError(
+                f"{name}: the map has no {_ROLES[role]}; put one {role!r} on a floor cell"
+            )
+    agent = next(cell for mark, cell in marks.items() if meanings[mark].role == AGENT)
+    objects, tools = _objects(marks, meanings, name), _tools(marks, meanings)
+    return {
+        "name": name,
+        "height": len(lines),
+        "width": len(lines[0][1]),
+        "walls": frozenset(walls),
+        "agent": agent,
+        "object": objects[0].cell,
+        "goal": objects[0].goal,
+        "object_kind": objects[0].kind,
+        "more_objects": objects[1:],
+        "drop": head.drop,
+    } | (
+        {
+            "tool": tools[0].kind,
+            "tool_cell": tools[0].cell,
+            "tool_slip": tools[0].slip,
+            "more_tools": tools[1:],
+        }
+        if tools
+        else {}
+    )
+
+
+def numbered(kinds: list[str]) -> list[str]:
+    """Names for things by their kinds: the second can is "can2"."""
+    names = [kind.rpartition(":")[2] for kind in kinds]
+    return [
+        name if not (before := names[:place].count(name)) else f"{name}{before + 1}"
+        for place, name in enumerate(names)
+    ]
+
+
+def _meanings(head: Header, name: str, folder: Path | None) -> dict[str, Meaning]:
+    meanings = {AGENT: Meaning(AGENT), OBJECT: Meaning(OBJECT, CAN), GOAL: Meaning(GOAL)}
+    meanings |= {TOOLS[kind].character: Meaning(TOOL, kind) for kind in UNBOUND}
+    for character, (line, said) in head.bound.items():
+        try:
+            meanings[character] = _meaning(character, said, folder)
+        except ValueError as error:
+            raise type(error)(f"{name}, line {line}: {error}") from None
+    return meanings
+
+
+def _meaning(character: str, said: str, folder: Path | None) -> Meaning:
+    """What a line above the map binds a character to."""
+    goal, slipping = _GOAL_OF.fullmatch(said), _SLIP.fullmatch(said)
+    if goal is not None:
+        check_free(character, but=GOAL)
+        return Meaning(GOAL, goal[1])
+    if said in OBJECTS:
+        check_free(character, but=OBJECT)
+        return Meaning(OBJECT, said)
+    check_free(character)
+    kind, slip = (said, 0.0) if slipping is None else (slipping[1], _probability(slipping[2]))
+    kind = kind if folder is None else beside(folder, kind)
+    if kind not in TOOLS and not is_own(kind):
+        raise ValueError(
+            f"{character!r} is bound to {kind!r}, which is unknown; bind it to a tool "
+            f"({', '.join(TOOLS)}, or one of your own as FILE.py:CLASS), an object "
+            f"({', '.join(OBJECTS)}) or a goal, as in 'H = goal of C'"
+        )
+    tool_named(kind)
+    return Meaning(TOOL, kind, slip)
+
+
+def _probability(said: str) -> float:
+    try:
+        value = float(said)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value <= 1:
+        raise ValueError(f"slip is {said!r}; give a probability from 0 to 1")
+    return value
+
+
+def _read(
+    lines: Lines, meanings: dict[str, Meaning], name: str
+) -> tuple[set[Cell], dict[str, Cell]]:
+    """The walls, and the cells of all that is marked."""
+    width = len(lines[0][1])
+    known = {WALL, FLOOR, *meanings}
+    walls: set[Cell] = set()
+    marks: dict[str, Cell] = {}
+    seen: dict[str, str] = {}
+    for row, (line, cells) in enumerate(lines):
+        if len(cells) != width:
+            column = min(len(cells), width) + 1
+            raise ValueError(
+                f"{name}, line {line}, column {column}: the row has {len(cells)} cells and the "
+                f"first row has {width}; make all rows equally long"
+            )
+        for column, character in enumerate(cells):
+            place = f"line {line}, column {column + 1}"
+            if character not in known:
+                raise ValueError(
+                    f"{name}, {place}: unknown character {character!r}; use one of "
+                    f"{' '.join(sorted(known))}, or bind it above the map, as in "
+                    "'R = mytools.py:Rake'"
+                )
+            if character == WALL:
+                walls.add((row, column))
+            elif character != FLOOR:
+                if character in seen:
+                    what = _ROLES[meanings[character].role]
+                    raise ValueError(
+                        f"{name}, {place}: a second {what} {character!r}, the first is at "
+                        f"{seen[character]}; keep one and put {FLOOR!r} for the other"
+                    )
+                seen[character] = place
+                marks[character] = row, column
+    return walls, marks
+
+
+def _objects(
+    marks: dict[str, Cell], meanings: dict[str, Meaning], name: str
+) -> tuple[PlacedObject, ...]:
+    """The objects as the map is read, those with goals first."""
+    objects = [mark for mark in marks if meanings[mark].role == OBJECT]
+    goals: dict[str, Cell] = {}
+    for mark, cell in marks.items():
+        meaning = meanings[mark]
+        if meaning.role != GOAL:
+            continue
+        of = meaning.kind or (objects[0] if len(objects) == 1 else "")
+        if of not in objects:
+            problem = f"is the goal of {of!r}, which is no object on the map" if of else ""
+            raise ValueError(
+                f"{name}: {mark!r} {problem or 'is the goal of one of several objects'}; say of "
+                f"which above the map, as in '{mark} = goal of {objects[0]}'"
+            )
+        if of in goals:
+            raise ValueError(f"{name}: {mark!r} is a second goal of {of!r}; keep one")
+        goals[of] = cell
+    objects.sort(key=lambda mark: mark not in goals)
+    names = numbered([meanings[mark].kind for mark in objects])
+    return tuple(
+        PlacedObject(called, meanings[mark].kind, marks[mark], goals.get(mark))
+        for called, mark in zip(names, objects, strict=True)
+    )
+
+
+def _tools(marks: dict[str, Cell], meanings: dict[str, Meaning]) -> tuple[PlacedTool, ...]:
+    """The tools as the map is read."""
+    tools = [mark for mark in marks if meanings[mark].role == TOOL]
+    names = numbered([meanings[mark].kind for mark in tools])
+    return tuple(
+        PlacedTool(called, meanings[mark].kind, marks[mark], meanings[mark].slip)
+        for called, mark in zip(names, tools, strict=True)
+    )
