@@ -83,7 +83,7 @@ def test_a_tool_passes(tool):
 @pytest.mark.parametrize(
     ("tool", "says"),
     [
-        pytest.param("spoon", "'spoon' is unknown; use one of picker, broom, none", id="name"),
+        pytest.param("spoon", "'spoon' is unknown; use one of picker, broom, rake", id="name"),
         pytest.param(3, "int has no method 'attached'; a tool has attached, carry", id="number"),
         pytest.param(broken(swing=None), "no method 'swing'", id="no swing"),
         pytest.param(broken(character="G"), "'G' stands for the goal", id="the goal's letter"),

@@ -291,7 +291,10 @@ def test_a_map_file_names_tools_beside_it_or_from_the_working_directory(folder):
     [
         ("R = there.py:Rake", "hall, line 1: tool 'there.py:Rake': .*there.py cannot be read"),
         ("; a rake\nR = rake.py:Rack", "hall, line 2: .*it has Rake"),
-        ("R = spoon", "hall, line 1: tool 'spoon' is unknown; use one of picker, broom"),
+        (
+            "R = spoon",
+            "hall, line 1: 'R' is bound to 'spoon', which is .*; bind it to a tool .picker, broom",
+        ),
         ("A = rake.py:Rake", "hall, line 1: character 'A' stands for the agent on a map"),
         (
             "R = rake.py:Rake\nR = broom",

@@ -264,8 +264,11 @@ def _ahead(grid: Grid, cells: Cells, step: Cells | int, things: tuple[Cells, ...
 
 def _is_ahead(grid: Grid, agent: Cells, thing: Cells, step: int) -> Flags:
     """Whether a step in this direction leads no closer to a thing's own side of the agent."""
-    rows, columns = (b - a for a, b in zip(*(np.divmod(c, grid.stride) for c in (agent, thing))))
-    return (rows * np.sign(step) if abs(step) > 1 else columns * step) >= 0
+    row, column = np.divmod(agent, grid.stride)
+    its_row, its_column = np.divmod(thing, grid.stride)
+    return (
+        ((its_row - row) * np.sign(step)) if abs(step) > 1 else (its_column - column) * step
+    ) >= 0
 
 
 def _clash(grid: Grid, cells: tuple[Cells, ...]) -> Flags:

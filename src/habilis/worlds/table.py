@@ -25,7 +25,7 @@ def tabulate(
     max_states: int = MAX_STATES,
     show_progress: bool = False,
 ) -> TabularMDP:
-    """Every placement of agent, tool and object, and what each action does to it.
+    r"""Every placement of agent, tool and object, and what each action does to it.
 
     The states are all placements with the tool in hand, and all with the tool lying at its
     cell of the map; without a tool, all placements of agent and object. Reward and end of an
@@ -61,7 +61,7 @@ def tabulate(
         >>> from habilis.worlds.world import World
         >>> tabulate(World.parse("A.CG", name="line")).actions
         ('north', 'east', 'south', 'west')
-        >>> several = World.parse("D = ball\\nH = goal of D\\nG = goal of C\\nA.CG\\nP.DH")
+        >>> several = World.parse("D = ball\nH = goal of D\nG = goal of C\nA.CG\nP.DH")
         >>> list(tabulate(several).factors)
         ['agent', 'tool:picker', 'object:can', 'object:ball', 'held']
     """

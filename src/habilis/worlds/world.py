@@ -131,7 +131,6 @@ class World:
         changed: dict[str, Any] = {"tool": tool, "own": None, "tool_slip": 0.0, "more_tools": ()}
         if there is not None:
             changed |= {"tool_cell": there.cell, "tool_slip": there.slip}
-            changed["own"] = self.own if there == self.tools[0] else None
         return replace(self, **changed, drop=self.drop and tool != NO_TOOL)
 
     def with_object(self, name: str) -> "World":

@@ -1,0 +1,241 @@
+"""Worlds of several tools and objects: what is in hand, what is in the way, where it ends."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from several import becomes, led, stays
+from slow_rules import by_the_rules, read, worlds
+
+import habilis as hb
+from habilis.worlds.placements import start_of
+from habilis.worlds.rules import DROP_NAME
+
+TWO_OBJECTS = "D = can\nG = goal of C"
+DROP = "drop: true"
+
+
+def table_of(rows: str, above: str = "", **options):
+    world = hb.World.parse(f"{above}\n" + "\n".join(rows.split()))
+    return hb.tabulate(world, starts=[start_of(world)], **options)
+
+
+def after(mdp, *actions):
+    state = mdp.start
+    for action in actions:
+        state = led(mdp, state, mdp.actions.index(action))
+    return state
+
+
+def held(mdp, state):
+    return int(mdp.factor("held")[state])
+
+
+# One tool in hand at a time
+
+
+def test_the_first_tool_that_the_agent_comes_beside_is_in_hand_and_stays_there():
+    becomes("A.B..P.C   .AB..P.C", "east")
+    becomes("A.B..P.C   ..AB.P.C", "east", "east")
+
+
+def test_a_tool_that_lies_is_in_the_way_of_all():
+    stays("ABP..C", "east")
+    becomes("CA.P..B   CA.P..B", "tool west")
+    stays(
+        """
+        .A.P...
+        .C.....
+        .B.....
+        """,
+        "south",
+    )
+
+
+def test_of_two_tools_at_once_the_one_read_first_is_taken():
+    mdp = table_of("P...C .A..G B....")
+    state = after(mdp, "west")
+    assert held(mdp, state) == 0
+    assert mdp.flags["equipped"][state]
+    assert held(mdp, mdp.start) == -1
+    mdp = table_of("B...C .A..G P....")
+    assert held(mdp, after(mdp, "west")) == 0
+    assert list(mdp.factors)[1] == "tool:broom"
+
+
+def test_the_tool_in_hand_alone_acts():
+    becomes(
+        """
+        P....   .P...
+        A...C   .A..C
+        ..B..   ..B..
+        """,
+        "east",
+    )
+
+
+# Objects block each other
+
+
+def test_objects_block_each_other():
+    stays(".ACDG..", "east", above=TWO_OBJECTS)
+    becomes(".AC.D.G   ..ACD.G", "east", above=TWO_OBJECTS)
+
+
+def test_a_held_object_is_blocked_by_another():
+    stays(".APCD.G", "east", above=TWO_OBJECTS)
+
+
+def test_a_ball_stops_at_another_object():
+    becomes(".AC..DG   ..A.CDG", "east", above="C = ball\nD = crate\nG = goal of C")
+
+
+def test_a_broom_and_the_agent_push_two_objects_at_once():
+    becomes(
+        """
+        .BD..   ..BD.
+        .AC.G   ..ACG
+        """,
+        "east",
+        above=TWO_OBJECTS,
+    )
+
+
+def test_a_magnet_draws_the_nearer_of_two_objects():
+    becomes("AM..C.DG   AM.C..DG", "tool east", above=f"M = magnet\n{TWO_OBJECTS}")
+
+
+# Putting a tool down
+
+
+def test_a_tool_put_down_stays_and_is_taken_up_again_after_the_agent_stepped_away():
+    mdp = table_of("..... .AB.. C...G", DROP)
+    down = after(mdp, "drop")
+    assert mdp.actions[-1] == DROP_NAME
+    assert (held(mdp, down), int(mdp.factor("laid")[down])) == (-1, 0)
+    assert not mdp.flags["equipped"][down]
+    beside = after(mdp, "drop", "north", "east")  # away, and back beside it
+    assert held(mdp, beside) == 0
+    still = after(mdp, "drop", "tool north")
+    assert held(mdp, still) == -1
+    away = after(mdp, "drop", "west")
+    assert (held(mdp, away), int(mdp.factor("laid")[away])) == (-1, -1)
+    assert held(mdp, after(mdp, "drop", "west", "east")) == 0
+
+
+def test_what_is_put_down_next_to_another_tool_is_swapped_for_it():
+    mdp = table_of("P.... .AB.. C...G", DROP)
+    state = after(mdp, "west")
+    assert held(mdp, state) == 1
+    swapped = after(mdp, "west", "drop")
+    assert held(mdp, swapped) == 0
+    assert int(mdp.factor("laid")[swapped]) == 1
+
+
+def test_a_can_in_the_grip_stays_where_the_picker_is_put_down():
+    mdp = table_of(".APC.G", DROP)
+    left = after(mdp, "drop", "west")
+    assert mdp.factor("object:can")[left] == 3
+    assert mdp.factor("tool:picker")[left] == 2
+
+
+def test_putting_down_nothing_changes_nothing():
+    mdp = table_of("A...B C...G", DROP)
+    assert after(mdp, "drop") == mdp.start
+
+
+# Tools that may fail
+
+
+def test_a_broom_that_fails_does_not_push_and_is_stopped():
+    becomes(".ABC..   ..ABC.", "east", above="B = broom slip 0.25")
+    becomes(".ABC..   .ABC..", "east", above="B = broom slip 0.25", works=False)
+
+
+def test_a_picker_that_fails_leaves_the_can():
+    becomes("..APC.   .APC..", "west", above="P = picker slip 0.25")
+    becomes("..APC.   .AP.C.", "west", above="P = picker slip 0.25", works=False)
+
+
+def test_a_tool_fails_with_its_probability_and_rewards_are_the_means():
+    world = hb.World.parse("P = picker slip 0.25\n.APC.G..")
+    mdp = hb.tabulate(world)
+    row = mdp.transition(1)[[mdp.start]]
+    assert sorted(row.data) == [0.25, 0.75]
+    pushing = mdp.find(agent=(0, 2), tool=(0, 3), object=(0, 4))
+    assert mdp.reward[pushing, 1] == pytest.approx(-0.25)
+    sure = hb.tabulate(world.with_tool("none"))
+    assert not sure.is_stochastic
+
+
+def test_a_tool_that_never_fails_is_as_without_saying_so():
+    one, other = (
+        hb.tabulate(hb.World.parse(f"P = picker{slip}\n.APC.G")) for slip in ("", " slip 0")
+    )
+    assert np.array_equal(one.next_state, other.next_state)
+
+
+def test_chance_replaces_actions_besides():
+    world = hb.World.parse("P = picker slip 0.25\n.APC.G\n......")
+    mdp = hb.tabulate(world, slip=0.1)
+    intended, chance = hb.tabulate(world), 0.1 / 8
+    state = mdp.start
+    mean = sum(intended.transition(a)[[state]].toarray() for a in range(8)) * chance
+    wanted = 0.9 * intended.transition(1)[[state]].toarray() + mean
+    assert np.allclose(mdp.transition(1)[[state]].toarray(), wanted)
+
+
+# Ends
+
+
+def test_an_episode_ends_when_every_object_that_has_a_goal_is_in_it():
+    above = "D = can\nE = crate\nG = goal of C\nH = goal of D"
+    mdp = table_of("E.... .ACG. .DH.. .....", above)
+    one = after(mdp, "east")
+    assert not mdp.terminal[one]
+    assert mdp.reward[mdp.start, 1] == -1
+    both = after(mdp, "east", "west", "west", "south", "east")
+    assert mdp.terminal[both]
+    assert hb.solve(mdp).best_return == 1 - hb.solve(mdp).steps
+
+
+# All of it: every placement that can be reached, and no other
+
+
+def test_of_one_tool_and_object_the_table_is_part_of_the_whole_one():
+    world = hb.load_world("yard", tool="broom")
+    whole, part = hb.tabulate(world), hb.tabulate(world, starts=[start_of(world)])
+    assert 0 < part.states < whole.states
+
+    def keys(mdp):
+        return (mdp.factor("agent") * 100 + mdp.factor("tool")) * 100 + mdp.factor("object")
+
+    place = {key: state for state, key in enumerate(keys(whole).tolist())}
+    here = np.array([place[key] for key in keys(part).tolist()])
+    assert np.array_equal(whole.next_state[here], here[part.next_state])
+    assert np.array_equal(whole.terminal[here], part.terminal)
+    assert np.array_equal(whole.reward[here], part.reward)
+    assert np.array_equal(whole.flags["attached"][here], part.flags["attached"])
+
+
+@settings(max_examples=60)
+@given(worlds(), st.data())
+def test_every_step_is_as_the_rules_say_word_by_word(world, data):
+    mdp = hb.tabulate(world, max_states=200_000)
+    states = data.draw(st.lists(st.integers(0, mdp.states - 1), min_size=1, max_size=40))
+    for state in [mdp.start, *states]:
+        for action, name in enumerate(mdp.actions):
+            to = int(mdp.next_state[state, action])
+            assert read(world, mdp, to) == by_the_rules(world, read(world, mdp, state), name)
+
+
+def test_too_many_placements_are_refused_in_a_line():
+    world = hb.World.parse("D = can\nG = goal of C\nA....\nB.C.D\n....G")
+    with pytest.raises(ValueError, match=r"more than 1,000 placements can be reached; take things"):
+        hb.tabulate(world, max_states=1000)
+    rows = ["." * 30 for _ in range(26)]
+    things = "ABPCDEFIJKLM".ljust(30, ".")
+    above = "\n".join(f"{c} = can" for c in "DEFIJKLM") + "\nG = goal of C\n"
+    crowded = hb.World.parse(above + "\n".join([things, *rows, "G".ljust(30, ".")]))
+    with pytest.raises(ValueError, match="more placements than can be numbered"):
+        hb.tabulate(crowded)
