@@ -105,6 +105,10 @@ def test_a_magnet_draws_the_nearer_of_two_objects():
     becomes("AM..C.DG   AM.C..DG", "tool east", above=f"M = magnet\n{TWO_OBJECTS}")
 
 
+def test_a_magnet_does_not_draw_past_another_tool():
+    stays("AM..B.C", "tool east", above="M = magnet")
+
+
 # Putting a tool down
 
 
