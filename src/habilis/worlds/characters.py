@@ -1,6 +1,8 @@
 """The characters of a map that do not stand for a tool."""
 
 WALL, FLOOR, AGENT, OBJECT, GOAL = "#.ACG"
+TOOL = "tool"
+"""Stands beside these for what a tool's character means: every tool has its own."""
 COMMENT = ";"
 BINDS = "="
 """Between a character and what it stands for, in a line above the map."""

@@ -135,7 +135,9 @@ def _of_worlds(
     states: Sequence[World], path: str | Path, cell: int
 ) -> tuple[Frame, Frame, Iterator[Frame]]:
     def still(world: World) -> tuple:
-        return world.height, world.width, world.walls, world.goal, world.tool
+        things = (*((thing.kind, thing.goal) for thing in world.objects),)
+        tools = (*(tool.kind for tool in world.tools),)
+        return world.height, world.width, world.walls, things, tools
 
     for number, state in enumerate(states):
         if not isinstance(state, World) or still(state) != still(states[0]):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from string import ascii_uppercase
 from typing import TYPE_CHECKING
 
-from habilis.worlds.characters import AGENT, BINDS, FLOOR, GOAL, OBJECT, WALL
+from habilis.worlds.characters import AGENT, BINDS, FLOOR, GOAL, OBJECT, TOOL, WALL
 from habilis.worlds.map_text import DROP
 from habilis.worlds.things import CAN, Cell, PlacedTool
 from habilis.worlds.tools import UNBOUND
@@ -15,10 +15,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Mark:
-    """A character on a map, and what binds it above the map ("" if nothing must)."""
+    """A character on a map.
+
+    Attributes:
+        character: drawn.
+        cell: where.
+        role: `AGENT`, `OBJECT`, `GOAL` or `TOOL`.
+        binding: the line above the map that says what it stands for; "" if none must.
+    """
 
     character: str
     cell: Cell
+    role: str
     binding: str = ""
 
 
@@ -29,16 +37,18 @@ def marks_of(world: "World") -> list[Mark]:
     for place, thing in enumerate(world.objects):
         character = free.take(OBJECT if place == 0 or thing.kind == CAN else thing.kind[0].upper())
         usual = character == OBJECT and thing.kind == CAN
-        objects.append(Mark(character, thing.cell, "" if usual else _bound(character, thing.kind)))
+        binds = "" if usual else _bound(character, thing.kind)
+        objects.append(Mark(character, thing.cell, OBJECT, binds))
         if thing.goal is not None:
             goal = free.take(GOAL)
             of = _bound(goal, f"goal of {character}") if world.more_objects else ""
-            goals.append(Mark(goal, thing.goal, of))
+            goals.append(Mark(goal, thing.goal, GOAL, of))
     tools = []
     for tool, rule in zip(world.tools, world.rules, strict=True):
         character = free.take(rule.character)
-        tools.append(Mark(character, tool.cell, _tool_binding(character, rule.character, tool)))
-    return [*goals, *objects, Mark(AGENT, world.agent), *tools]
+        binds = _tool_binding(character, rule.character, tool)
+        tools.append(Mark(character, tool.cell, TOOL, binds))
+    return [*goals, *objects, Mark(AGENT, world.agent, AGENT), *tools]
 
 
 def header_of(world: "World") -> list[str]:

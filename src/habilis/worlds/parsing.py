@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, WALL, check_free
+from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL, check_free
 from habilis.worlds.map_text import Header, Lines, header, map_lines
 from habilis.worlds.own_tools import beside, is_own, tool_named
 from habilis.worlds.things import CAN, OBJECTS, Cell, PlacedObject, PlacedTool
 from habilis.worlds.tools import TOOLS, UNBOUND
 
-TOOL = "tool"
 _GOAL_OF = re.compile(r"goal of (\S)")
 _SLIP = re.compile(r"(.+?)\s+slip\s+(\S+)")
 _ROLES = {AGENT: "agent", OBJECT: CAN, GOAL: "goal", TOOL: "tool"}

@@ -7,6 +7,7 @@ In a plot the cell `(row, column)` covers x from `column` to `column + 1` and y 
 """
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
@@ -20,8 +21,18 @@ from matplotlib.figure import Figure
 from rich.text import Text
 
 from habilis.files import suffix_of
-from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, WALL
-from habilis.worlds.shapes import SHAPES, Drawing, Side, facing, placed
+from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL
+from habilis.worlds.map_writing import marks_of
+from habilis.worlds.shapes import (
+    SHAPES,
+    Drawing,
+    Side,
+    bin_with,
+    facing,
+    marked,
+    of_kind,
+    placed,
+)
 from habilis.worlds.tools import Tool, drawing_of
 from habilis.worlds.world import Cell, World
 
@@ -34,21 +45,22 @@ PICTURES = {  # by suffix: what would tell apart two files of one picture, left 
 
 _SIDES: dict[Cell, Side] = {(-1, 0): "north", (0, 1): "east", (1, 0): "south", (0, -1): "west"}
 
-_STYLES = {
+_STYLES = {  # by what a character stands for
     WALL: "#5b6270 on #5b6270",
     FLOOR: "dim",
     AGENT: "bold #ffffff on #0072b2",
     OBJECT: "bold #ffffff on #b34700",
     GOAL: "bold #ffffff on #007a59",
+    TOOL: "bold #1f2430 on #f0c24b",
 }
-_TOOL_STYLE = "bold #1f2430 on #f0c24b"
 
 
 def draw_world(ax: Axes, world: World, *, background: bool = True) -> None:
     """Draws a world in the state of its start cells.
 
-    A tool beside the agent is in hand and faces away from it. A can on the goal is in the bin;
-    when something else is there, the bin is drawn small in its corner.
+    The tool in hand faces away from the agent. A can on its goal is in the bin; when something
+    else is there, the bin is drawn small in its corner. Of several objects each has its picture on
+    its bin, and of several of one kind each its colour.
 
     Args:
         ax: where to draw; its limits, aspect and frame are set to fit the world.
@@ -124,16 +136,28 @@ def rendered(
 def colored_text(world: World) -> Text:
     """The map in colours for a terminal: two characters a cell, one line a row.
 
-    The letters are those of the map's text; a G beside another letter is the goal under it.
+    The letters are those of the map's text; a G beside another letter is the goal under it. Of
+    several tools the one in hand is underlined.
     """
+    marks = marks_of(world)
+    under = {mark.cell: mark.character for mark in marks if mark.role == GOAL}
+    above = {mark.cell: mark for mark in marks}
+    held = world.in_hand
+    in_hand = None if held < 0 or not world.several else world.tools[held].cell
     rows = []
-    for row, line in enumerate(world.rows):
+    for row in range(world.height):
         text = Text()
-        for column, character in enumerate(line):
-            beside = GOAL if (row, column) == world.goal and character != GOAL else " "
-            style = _STYLES.get(character, _TOOL_STYLE)
-            text.append(character, style)
-            text.append(beside, style if beside == " " else _STYLES[beside])
+        for column in range(world.width):
+            cell = row, column
+            there = above.get(cell)
+            plain = WALL if cell in world.walls else FLOOR
+            style = _STYLES[plain if there is None else there.role]
+            text.append(
+                plain if there is None else there.character,
+                f"{style} underline" if cell == in_hand else style,
+            )
+            hidden = there is not None and there.role != GOAL and cell in under
+            text.append(under[cell] if hidden else " ", _STYLES[GOAL] if hidden else style)
         rows.append(text)
     return Text("\n").join(rows)
 
@@ -174,39 +198,61 @@ def _draw_walls(ax: Axes, world: World) -> None:
 
 
 def things_of(world: World, agent: Cell | None) -> dict[Cell, Drawing]:
-    """What stands in the cells: bin, can, tool, and the agent if it has a cell here."""
-    things = {world.object: SHAPES["can"]}
-    if world.tool_rule is not None and world.tool_cell is not None:
-        things[world.tool_cell] = _tool(world.tool_rule, world.tool_cell, agent)
+    """What stands in the cells: bins, objects, tools, and the agent if it has a cell here."""
+    things = dict(zip((thing.cell for thing in world.objects), object_drawings(world), strict=True))
+    held = -1 if agent is None else world.in_hand
+    for index, (tool, rule) in enumerate(zip(world.tools, world.rules, strict=True)):
+        things[tool.cell] = _tool(rule, tool.cell, agent if index == held else None)
     if agent is not None:
         things[agent] = SHAPES["agent"]
-    things[world.goal] = on_goal(things.get(world.goal))
+    for goal, its in bins(world).items():
+        things[goal] = its.with_thing(things.get(goal))
     return things
 
 
-def looks(world: World) -> dict[str, Drawing]:
-    """How things can look in a cell of the world: "agent", "can", and with a tool "tool".
+def object_drawings(world: World) -> list[Drawing]:
+    """How each of the objects looks."""
+    kinds = [thing.kind for thing in world.objects]
+    return [of_kind(kind, kinds[:place].count(kind)) for place, kind in enumerate(kinds)]
 
-    The tool in hand looks otherwise on each side of the agent: "north", "east", "south", "west".
+
+def tool_looks(rule: Tool) -> list[Drawing]:
+    """How a tool looks: lying, then in hand to the north, east, south and west of the agent."""
+    return [_tool(rule, (0, 0), None), *(_tool(rule, step, (0, 0)) for step in _SIDES)]
+
+
+@dataclass(frozen=True)
+class Bin:
+    """What stands for a goal.
+
+    Attributes:
+        own: the drawing of the object whose goal it is.
+        labelled: whether that is on it.
     """
-    things = {"agent": SHAPES["agent"], "can": SHAPES["can"]}
-    if world.tool_rule is not None:
-        things["tool"] = _tool(world.tool_rule, (0, 0), None)
-        things |= {side: _tool(world.tool_rule, step, (0, 0)) for step, side in _SIDES.items()}
-    return things
+
+    own: Drawing
+    labelled: bool
+
+    def with_thing(self, thing: Drawing | None) -> Drawing:
+        """What is seen in the goal's cell: with its object in it, or in a corner beside a thing."""
+        if thing == self.own:
+            return self._labelled(bin_with(self.own))
+        empty = self._labelled(SHAPES["bin"])
+        return empty if thing is None else thing + placed(empty, 0.56, 0.54, 0.44)
+
+    def _labelled(self, drawing: Drawing) -> Drawing:
+        return marked(drawing, self.own) if self.labelled else drawing
 
 
-def on_goal(thing: Drawing | None) -> Drawing:
-    """What is seen in the goal cell: the bin, with the can in it, or in a corner beside a thing."""
-    if thing is None:
-        return SHAPES["bin"]
-    if thing == SHAPES["can"]:
-        return SHAPES["full bin"]
-    return thing + placed(SHAPES["bin"], 0.56, 0.54, 0.44)
+def bins(world: World) -> dict[Cell, Bin]:
+    """The bins of a world by their cells."""
+    drawings = zip(world.objects, object_drawings(world), strict=True)
+    labelled = bool(world.more_objects)
+    return {thing.goal: Bin(own, labelled) for thing, own in drawings if thing.goal is not None}
 
 
 def _tool(tool: Tool, cell: Cell, agent: Cell | None) -> Drawing:
-    """The tool facing away from the agent when it is in hand, and as it is drawn otherwise."""
+    """The tool facing away from the agent whose hand it is in, and as it is drawn otherwise."""
     drawing = drawing_of(tool)
     if agent is None:
         return drawing

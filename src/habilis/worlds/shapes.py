@@ -123,6 +123,8 @@ _ORANGE, _GREEN, _BLUE, _RED = "#e69f00", "#009e73", "#0072b2", "#d55e00"
 _VIOLET = "#cc79a7"
 _LEAF, _STRAW, _YELLOW = "#00684c", "#c08414", "#f0c24b"
 _SILVER, _STEEL = "#cfd6de", "#8a94a3"
+_SKY, _WOOD = "#56b4e9", "#c98a4b"
+_GLEAM_OF_CAN, _GLEAM_OF_BALL = "#ef8a4a", "#bfe3f7"
 
 _FLOOR: Drawing = (
     _polygon("#d2d6db", (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)),
@@ -180,30 +182,33 @@ _RAKE: Drawing = (
     *(_rod(_INK, 0.07, (x, 0.72), (x, 0.92)) for x in (0.18, 0.34, 0.5, 0.66, 0.82)),  # teeth
 )
 _STICK: Drawing = (
-    _rod("#9c6430", 0.12, (0.5, 0.08), (0.5, 0.92)),
-    _rod("#c98a4b", 0.035, (0.475, 0.14), (0.475, 0.6)),
-    _box(_RED, 0.41, 0.8, 0.59, 0.88, 0.03),  # ring at the end
+    _rod("#9c6430", 0.13, (0.5, 0.12), (0.5, 0.84)),
+    _rod("#c98a4b", 0.035, (0.475, 0.2), (0.475, 0.62)),
+    _circle("#9c6430", 0.5, 0.12, 0.1),  # knob
+    _box(_INK, 0.4, 0.78, 0.6, 0.97, 0.06),  # foot
+    _box(_RED, 0.41, 0.68, 0.59, 0.76, 0.03),  # ring above it
 )
 _MAGNET: Drawing = (  # a horseshoe, open to the south
-    _bow(_RED, 0.5, 0.4, 0.23, 0.2, 2.0, 4.0),
-    _box(_RED, 0.17, 0.38, 0.37, 0.68, 0.0),
-    _box(_RED, 0.63, 0.38, 0.83, 0.68, 0.0),
-    _box(_SILVER, 0.17, 0.68, 0.37, 0.9, 0.0),  # poles
-    _box(_SILVER, 0.63, 0.68, 0.83, 0.9, 0.0),
-    _box(_INK, 0.17, 0.66, 0.37, 0.7, 0.0),
-    _box(_INK, 0.63, 0.66, 0.83, 0.7, 0.0),
+    _bow(_RED, 0.5, 0.38, 0.23, 0.2, 2.0, 4.0),
+    _box(_RED, 0.17, 0.36, 0.37, 0.68, 0.0),
+    _box(_RED, 0.63, 0.36, 0.83, 0.68, 0.0),
+    _box(_STEEL, 0.17, 0.68, 0.37, 0.93, 0.0),  # poles
+    _box(_STEEL, 0.63, 0.68, 0.83, 0.93, 0.0),
+    _box(_INK, 0.17, 0.66, 0.37, 0.71, 0.0),
+    _box(_INK, 0.63, 0.66, 0.83, 0.71, 0.0),
 )
 _BALL: Drawing = (
-    _circle(_BLUE, 0.5, 0.52, 0.34),
-    _bow(_WHITE, 0.16, 0.52, 0.3, 0.05, -0.75, 0.75),  # seams
-    _bow(_WHITE, 0.84, 0.52, 0.3, 0.05, 1.25, 2.75),
-    _circle("#5aa9d6", 0.42, 0.34, 0.07),  # gleam
+    _circle(_SKY, 0.5, 0.52, 0.35),
+    _bow(_INK, 0.12, 0.52, 0.3, 0.045, -0.78, 0.78),  # seams
+    _bow(_INK, 0.88, 0.52, 0.3, 0.045, 1.22, 2.78),
+    _circle(_GLEAM_OF_BALL, 0.5, 0.31, 0.075),  # gleam
 )
 _CRATE: Drawing = (
-    _box("#9c6430", 0.12, 0.14, 0.88, 0.9, 0.03),
-    _box("#c98a4b", 0.2, 0.22, 0.8, 0.82, 0.0),
-    _rod("#9c6430", 0.1, (0.24, 0.26), (0.76, 0.78)),  # brace
-    _box("#9c6430", 0.2, 0.5, 0.8, 0.54, 0.0),
+    _box("#7a4a20", 0.11, 0.13, 0.89, 0.91, 0.03),  # frame
+    _box(_WOOD, 0.2, 0.22, 0.8, 0.82, 0.0),
+    _box("#7a4a20", 0.2, 0.41, 0.8, 0.44, 0.0),  # gaps between the boards
+    _box("#7a4a20", 0.2, 0.61, 0.8, 0.64, 0.0),
+    _rod("#7a4a20", 0.1, (0.25, 0.27), (0.75, 0.77)),  # brace
 )
 _TOOL: Drawing = (  # a spanner, for tools that say nothing of how they look
     _bow(_INK, 0.5, 0.17, 0.095, 0.07, 0.0, 4.0),  # ring
@@ -216,7 +221,7 @@ _CAN: Drawing = (
     _polygon(_STEEL, (0.29, 0.22), (0.35, 0.13), (0.65, 0.13), (0.71, 0.22)),  # shoulder
     _box(_RED, 0.27, 0.2, 0.73, 0.86, 0.06),
     _polygon("#fbe3d0", (0.27, 0.61), (0.27, 0.49), (0.73, 0.39), (0.73, 0.51)),  # band
-    _box("#ef8a4a", 0.33, 0.27, 0.38, 0.42, 0.025),  # gleam
+    _box(_GLEAM_OF_CAN, 0.33, 0.27, 0.38, 0.42, 0.025),  # gleam
     _ellipse(_SILVER, 0.5, 0.14, 0.17, 0.055),  # top
     _ellipse(_INK, 0.5, 0.14, 0.055, 0.02),
 )
@@ -233,12 +238,48 @@ _BIN: Drawing = (
     _bow(_LEAF, 0.5, 0.21, 0.085, 0.045, 2.0, 4.0),  # handle
     _box(_LEAF, 0.16, 0.22, 0.84, 0.34, 0.05),  # lid
 )
-_FULL_BIN: Drawing = (
-    _rod(_LEAF, 0.09, (0.8, 0.33), (0.93, 0.07)),  # lid, swung open
-    *placed(_CAN, 0.12, -0.05, 0.74),
-    *_TUB,
-    _box(_LEAF, 0.18, 0.3, 0.82, 0.38, 0.04),  # rim
+
+
+def bin_with(thing: Drawing) -> Drawing:
+    """The bin with a thing in it, of which the top is seen."""
+    return (
+        _rod(_LEAF, 0.09, (0.8, 0.33), (0.93, 0.07)),  # lid, swung open
+        *placed(thing, 0.12, -0.05, 0.74),
+        *_TUB,
+        _box(_LEAF, 0.18, 0.3, 0.82, 0.38, 0.04),  # rim
+    )
+
+
+def marked(drawing: Drawing, thing: Drawing) -> Drawing:
+    """A bin with the picture of a thing on it: whose bin it is."""
+    return (*drawing, *placed((*_LABEL, *thing), 0.305, 0.47, 0.39))
+
+
+_LABEL: Drawing = (_box(_PAPER, 0.02, 0.0, 0.98, 1.02, 0.16),)
+# What colour tells things of one kind apart, and what gleams on it.
+_MAIN = {"can": (_RED, _GLEAM_OF_CAN), "ball": (_SKY, _GLEAM_OF_BALL), "crate": (_WOOD, "")}
+_OTHER_COLOURS = (
+    (_BLUE, "#5aa9d6"),
+    (_YELLOW, "#fae5ac"),
+    (_VIOLET, "#ebc6da"),
+    (_INK, "#6b7280"),
 )
+
+
+def of_kind(kind: str, before: int) -> Drawing:
+    """An object's drawing: the first of a kind in its colour, further ones in others.
+
+    Args:
+        kind: of the object, as in `SHAPES`.
+        before: how many of the kind come before it.
+    """
+    drawing = SHAPES[kind]
+    if not before:
+        return drawing
+    other = _OTHER_COLOURS[(before - 1) % len(_OTHER_COLOURS)]
+    recoloured = dict(zip(_MAIN[kind], other, strict=True))
+    return tuple(replace(one, fill=recoloured.get(one.fill, one.fill)) for one in drawing)
+
 
 SHAPES: dict[str, Drawing] = {
     "floor": _FLOOR,
@@ -255,6 +296,6 @@ SHAPES: dict[str, Drawing] = {
     "ball": _BALL,
     "crate": _CRATE,
     "bin": _BIN,
-    "full bin": _FULL_BIN,
+    "full bin": bin_with(_CAN),
 }
 """The drawing of each thing by its name; "tool" is one that does not say how it looks."""

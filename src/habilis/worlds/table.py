@@ -146,7 +146,8 @@ def placement(world: World, mdp: TabularMDP, state: int) -> World:
         state: the state's index.
 
     Returns:
-        Another world.
+        Another world. Its own table begins with the first tool beside the agent in hand, whatever
+        the state had.
     """
 
     def cell(factor: str) -> Cell:
@@ -167,6 +168,7 @@ def placement(world: World, mdp: TabularMDP, state: int) -> World:
             replace(thing, cell=at)
             for thing, at in zip(world.more_objects, objects[1:], strict=True)
         ),
+        held=int(mdp.factor("held")[state]) if "held" in mdp.factors else None,
     )
 
 

@@ -47,6 +47,7 @@ class World:
     more_tools: tuple[PlacedTool, ...] = ()
     more_objects: tuple[PlacedObject, ...] = ()
     drop: bool = False
+    held: int | None = None
 
     def __post_init__(self) -> None:
         """Finds its own tool, refuses things that are not on free cells or are on each other.
@@ -131,6 +132,7 @@ class World:
         changed: dict[str, Any] = {"tool": tool, "own": None, "tool_slip": 0.0, "more_tools": ()}
         if there is not None:
             changed |= {"tool_cell": there.cell, "tool_slip": there.slip}
+        changed["held"] = None
         return replace(self, **changed, drop=self.drop and tool != NO_TOOL)
 
     def with_object(self, name: str) -> "World":
@@ -178,6 +180,15 @@ class World:
         kinds = [self.object_kind, *(thing.kind for thing in self.more_objects)]
         first = PlacedObject(numbered(kinds)[0], self.object_kind, self.object, self.goal)
         return first, *self.more_objects
+
+    @property
+    def in_hand(self) -> int:
+        """The place among `tools` of the one in hand; -1 for none."""
+        if self.held is not None:
+            return self.held
+        row, column = self.agent
+        beside = (abs(t.cell[0] - row) + abs(t.cell[1] - column) == 1 for t in self.tools)
+        return next((place for place, is_beside in enumerate(beside) if is_beside), -1)
 
     @property
     def rules(self) -> tuple[Tool, ...]:
