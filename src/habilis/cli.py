@@ -3,7 +3,6 @@
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,12 @@ from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, parser
 from habilis.cli_learning import plot, sweep, train, watch
 from habilis.cli_output import console, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
-from habilis.worlds.reach import MAX_STATES
-from habilis.worlds.rules import ACTIONS
-from habilis.worlds.world import NO_TOOL, load_world, world_names
+from habilis.worlds.map_writing import header_of
+from habilis.worlds.moving import Where, elsewhere
+from habilis.worlds.placements import start_of
+from habilis.worlds.plans import check_certain
+from habilis.worlds.reach import MAX_STATES, reachable
+from habilis.worlds.world import NO_TOOL, Cell, World, load_world, world_names
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -60,19 +62,26 @@ def worlds(args: Args) -> int:
         from habilis.worlds.pictures import save_picture
 
         save(args.out, lambda path: save_picture(world, path))
+    header = list(header_of(world)) if world.several else []
     if args.json:
-        return print_json(
-            {"name": world.name, "height": world.height, "width": world.width}
-            | {"tool": world.tool, "map": list(world.rows)}
-        )
+        told = {"name": world.name, "height": world.height, "width": world.width}
+        told |= {"tool": world.tool, "map": list(world.rows)}
+        if world.several:
+            told |= {"header": header}
+            told |= {"tools": [tool.name for tool in world.tools]}
+            told |= {"objects": [thing.name for thing in world.objects]}
+        return print_json(told)
     from habilis.worlds.pictures import colored_text
 
+    for line in header:
+        print(line)
     console().print(colored_text(world))
     return 0
 
 
 def solve(args: Args) -> int:
-    plan = habilis.solve(habilis.tabulate(load_world(args.world, args.tool)))
+    mdp = habilis.tabulate(check_certain(load_world(args.world, args.tool)))
+    plan = habilis.solve(mdp)
     if args.json:
         print_json(
             {"steps": None, "return": None, "actions": None}
@@ -83,7 +92,7 @@ def solve(args: Args) -> int:
         print("the goal is out of reach")
     else:
         print(f"{plan.steps} steps, return {plan.best_return:g}")
-        print(", ".join(ACTIONS[action] for action in plan.actions))
+        print(", ".join(mdp.actions[action] for action in plan.actions))
     return 1 if plan is None else 0
 
 
@@ -141,16 +150,14 @@ def landscape(args: Args) -> int:
     from habilis.empowerment.landscape import landscape as measure
 
     world = load_world(args.world, args.tool)
-    if args.tool_at is not None and world.tool == NO_TOOL:
-        raise ValueError(f"{world.name} has no tool here; leave out --tool-at, or give --tool")
     found = measure(
         world,
         args.horizon,
         args.sensor,
         _actions(args.actions),
         slip=args.slip,
-        tool=args.tool_at,
-        object=args.object_at,
+        tool=_where(world, "tool", args.tool_at),
+        object=_where(world, "object", args.object_at),
         unit=args.unit,
     )
     if args.out is not None:
@@ -163,6 +170,24 @@ def landscape(args: Args) -> int:
     if args.out is not None:
         print(f"written: {args.out}")
     return 0
+
+
+def _where(world: World, kind: str, places: list[tuple[str, Cell]] | None) -> Where | None:
+    """Cells by names, or the cell of the only tool or object."""
+    if places is None:
+        return None
+    if kind == "tool" and not world.tools:
+        raise ValueError(f"{world.name} has no tool here; leave out --tool-at, or give --tool")
+    where: dict[str, Cell] = {}
+    for name, cell in places:
+        if name in where:
+            raise ValueError(f"--{kind}-at has {name or 'the ' + kind} twice; give it one cell")
+        where[name] = cell
+    if "" not in where:
+        return where
+    if len(where) > 1:
+        raise ValueError(f"--{kind}-at has {where['']} without a name; say which, as NAME=1,2")
+    return where[""]
 
 
 def compare(args: Args) -> int:
@@ -209,20 +234,26 @@ def futures(args: Args) -> int:
     from habilis.empowerment.futures_picture import futures_figure, sequence_text
 
     world = load_world(args.world, args.tool)
-    places = {"agent": args.agent_at, "tool_cell": args.tool_at, "object": args.object_at}
-    world = replace(world, **{name: cell for name, cell in places.items() if cell is not None})
-    if args.tool_at is not None and world.tool == NO_TOOL:
-        raise ValueError(f"{world.name} has no tool here; leave out --tool-at, or give --tool")
-    mdp = habilis.tabulate(world, args.slip)
+    world = elsewhere(
+        world,
+        agent=args.agent_at,
+        tool=_where(world, "tool", args.tool_at),
+        object=_where(world, "object", args.object_at),
+    )
+    if world.several:
+        mdp = reachable(world, start_of(world), max(args.horizon, 0))[0].slippery(args.slip)
+    else:
+        mdp = habilis.tabulate(world, args.slip)
     found = measure(
         mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), unit=args.unit
     )
     if args.out is not None:
         from habilis.worlds.pictures import save_figure
 
-        if args.sensor not in mdp.factors:
+        cells = [name for name in mdp.factors if mdp.is_cell(name)]
+        if args.sensor == "state" or mdp.factor_named(args.sensor) not in cells:
             raise ValueError(
-                f"a picture needs cells; use --sensor {', '.join(mdp.factors)}, or leave out --out"
+                f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
             )
         figure = futures_figure(world, mdp, found, args.sensor)
         save(args.out, lambda path: save_figure(figure, path))

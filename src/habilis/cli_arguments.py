@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import habilis
 from habilis.worlds.world import NO_TOOL, Cell
@@ -16,7 +16,7 @@ OPTIONS = (
     *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
 )
 
-_TOOLS = "picker, broom, none or one of your own as FILE.py:CLASS"
+_TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
 
 
@@ -71,14 +71,13 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb(
         "landscape",
-        "empowerment for every agent cell, tool and can where the map has them",
+        "empowerment for every agent cell, all else where the map has it",
         "habilis landscape corridor --sensor object --horizon 6 --out landscape.png",
     )
     _world(v)
     _measure(v)
     _unit(v)
-    v.add_argument("--tool-at", type=_cell, metavar="ROW,COLUMN", help="another cell for the tool")
-    v.add_argument("--object-at", type=_cell, metavar="ROW,COLUMN", help="another for the can")
+    _places(v)
     kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     v.add_argument("--out", type=Path, metavar="F.png", help=kinds)
 
@@ -91,8 +90,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _measure(v)
     _unit(v)
     v.add_argument("--agent-at", type=_cell, metavar="ROW,COLUMN", help="another for the agent")
-    v.add_argument("--tool-at", type=_cell, metavar="ROW,COLUMN", help="another cell for the tool")
-    v.add_argument("--object-at", type=_cell, metavar="ROW,COLUMN", help="another for the can")
+    _places(v)
     v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
 
     v = verb(
@@ -230,11 +228,19 @@ def _tool(parser: argparse.ArgumentParser) -> None:
 
 
 def _measure(parser: argparse.ArgumentParser) -> None:
-    sensor = "state, agent, tool or object (default state)"
+    sensor = "state, agent, tool, object, or one of several as object:can (default state)"
     parser.add_argument("--sensor", default="state", help=sensor)
     parser.add_argument("--horizon", type=int, required=True, help="number of actions")
     parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
     _slip(parser)
+
+
+def _places(parser: argparse.ArgumentParser) -> None:
+    where: dict[str, Any] = {"type": _place, "action": "append", "metavar": "[NAME=]ROW,COLUMN"}
+    text = "another cell for the tool; of several as picker=2,6, and again for another"
+    parser.add_argument("--tool-at", help=text, **where)
+    text = "another for the can; of several as can=2,6, and again for another"
+    parser.add_argument("--object-at", help=text, **where)
 
 
 def _slip(parser: argparse.ArgumentParser) -> None:
@@ -266,6 +272,12 @@ def _cell(text: str) -> Cell:
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is no cell, as 2,6 for row,column") from None
     return row, column
+
+
+def _place(text: str) -> tuple[str, Cell]:
+    """A name, "" if it is not said, and the cell for it."""
+    name, _, cell = text.rpartition("=")
+    return name, _cell(cell)
 
 
 def _words(text: str) -> list[str]:

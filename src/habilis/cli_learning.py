@@ -9,7 +9,6 @@ import numpy as np
 from habilis.cli_arguments import Args
 from habilis.cli_output import console, print_json, refuse, save
 from habilis.extras import import_from
-from habilis.worlds.rules import ACTIONS
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -81,7 +80,7 @@ def watch(args: Args) -> int:
         _animate(screen, [colored_text(frame) for frame in frames], 1 / args.speed)
     else:
         screen.print(colored_text(frames[-1]))
-    print(", ".join(ACTIONS[action] for action in episode.actions))
+    print(", ".join(mdp.actions[action] for action in episode.actions))
     end = "the goal is reached" if episode.finished else "the policy goes round in circles"
     print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
     so_far = "" if ended else ", as the last checkpoint has it: training has not ended"

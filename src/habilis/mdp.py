@@ -14,6 +14,9 @@ from habilis.probabilities import as_array, is_sparse, row_stochastic, shape_of
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
+HELD, LAID = "held", "laid"
+"""The factors of a world that are no cells: which tool is in hand, and which was put down."""
+
 _NOWHERE = -2  # a label of no state: cells are 0 and up, what a world lacks is -1
 
 
@@ -30,7 +33,8 @@ class TabularMDP:
         reward: float32[S, A]; in a stochastic MDP the mean over next states.
         terminal: bool[S], the states whose entry ends an episode.
         factors: by name, an int32[S] label of what the state says of one thing in it. In a
-            world: "agent", "tool", "object", each `row * width + column`.
+            world: "agent", "tool", "object", each `row * width + column`; of several things see
+            `tabulate`.
         flags: by name, a bool[S] property of the state. In a world: "equipped", "attached".
         start: the state in which episodes begin.
         shape: (rows, columns) of the world whose cells the factors name; `None` without one.
@@ -272,18 +276,45 @@ class TabularMDP:
         """The label of one thing in every state.
 
         Args:
-            name: of the factor, as "object".
+            name: of the factor, as "object". Where there is only one of them, "object" stands for
+                "object:can" too, and "tool" for "tool:picker".
 
         Returns:
             int32[S]; in a world the cell of the thing, `row * columns + column`.
 
         Raises:
-            ValueError: the MDP has no such factor; the message lists those it has.
+            ValueError: the MDP has no such factor, or several that could be meant; the message
+                lists those it has.
         """
-        if name not in self.factors:
-            known = ", ".join(self.factors) or "none"
-            raise ValueError(f"factor {name!r} is unknown; this MDP has: {known}")
-        return self.factors[name]
+        return self.factors[self.factor_named(name)]
+
+    def factor_named(self, name: str, what: str = "factor", besides: Sequence[str] = ()) -> str:
+        """The whole name of a factor: "object" is "object:can" where that is the only object.
+
+        Args:
+            name: of the factor, or what stands before the colon in it.
+            what: to call it in the message.
+            besides: what else there is to choose.
+
+        Returns:
+            A key of `factors`.
+
+        Raises:
+            ValueError: as in `factor`.
+        """
+        if name in self.factors:
+            return name
+        meant = [one for one in self.factors if one.partition(":")[0] == name]
+        if len(meant) == 1:
+            return meant[0]
+        problem = "could be several things" if meant else "is unknown"
+        known = ", ".join([*besides, *self.factors]) or "none"
+        mend = f"use one of {known}" if besides else f"this MDP has: {known}"
+        raise ValueError(f"{what} {name!r} {problem}; {mend}")
+
+    def is_cell(self, name: str) -> bool:
+        """Whether a factor's labels are cells of a map."""
+        return self.shape is not None and name not in (HELD, LAID)
 
     def label(self, cell: tuple[int, int]) -> int:
         """The label that factors have for a cell, `row * columns + column`.
@@ -306,11 +337,12 @@ class TabularMDP:
         inside = 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
         return row * self.shape[1] + column if inside else _NOWHERE
 
-    def find(self, **cells: tuple[int, int]) -> int:
+    def find(self, **cells: tuple[int, int] | int) -> int:
         """The state in which things are at given cells.
 
         Args:
-            **cells: for each factor the (row, column) of the thing.
+            **cells: for each factor the (row, column) of the thing; its label if it is no cell, as
+                `find(**{"agent": (0, 0), "object:can": (1, 0), "held": -1})`.
 
         Returns:
             The state's index.
@@ -321,13 +353,18 @@ class TabularMDP:
         """
         found = np.ones(self.states, bool)
         for name, cell in cells.items():
-            label = self.label(cell)
+            label = self._label_of(name, cell)
             found &= self.factor(name) == label
         matches = np.flatnonzero(found)
         if len(matches) != 1:
             where = ", ".join(f"{name}={cell}" for name, cell in cells.items())
             raise KeyError(f"{len(matches) or 'no'} states have {where}")
         return int(matches[0])
+
+    def _label_of(self, name: str, value: Any) -> int:
+        if self.shape is None or self.is_cell(self.factor_named(name)):
+            return self.label(value)
+        return operator.index(value)
 
 
 def _rewards_and_ends(

@@ -109,8 +109,8 @@ def empowerment(
             from the states asked about.
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
-            empowerment), int[S] labels, or float[S, O] probabilities of observations (also
-            scipy.sparse).
+            empowerment, "object:can" where there are several), int[S] labels, or float[S, O]
+            probabilities of observations (also scipy.sparse).
         actions: the action indices that sequences are made of; by default all.
         states: the n states asked about, as indices or as bool[S]; of a world, as placements such
             as `{"agent": (0, 0), "tool": (1, 0), "object": (2, 2)}`. By default all, in order.
@@ -206,8 +206,9 @@ def _counted(
     # Numba takes as long to import as everything else together: only who computes pays.
     from habilis.empowerment.counting import count_backward, count_forward
 
-    cells = isinstance(sensor, str) and sensor in mdp.factors and mdp.shape is not None
     labels, label_count = observations(mdp, sensor)
+    named = isinstance(sensor, str) and sensor != "state"
+    cells = named and mdp.is_cell(mdp.factor_named(sensor))
     table = mdp.next_state
     if len(actions) < mdp.action_count:
         table = np.ascontiguousarray(table[:, actions])

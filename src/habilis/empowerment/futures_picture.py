@@ -9,7 +9,7 @@ from habilis.mdp import TabularMDP
 from habilis.worlds.heat import draw_heat, draw_scale
 from habilis.worlds.world import World
 
-_ARROWS = ("↑", "→", "↓", "←", "⇑", "⇒", "⇓", "⇐")
+_ARROWS = ("↑", "→", "↓", "←", "⇑", "⇒", "⇓", "⇐", "↧")
 _MOST = 12  # sequences shown
 _DPI, _GAP, _HEAD, _FOOT, _BARS = 96, 24, 56, 48, 320  # pixels
 
@@ -29,7 +29,7 @@ def futures_figure(
     Returns:
         On the left the map: in each cell the percentage of the agent's choices that end with the
         thing there. On the right the most probable sequences; thin arrows move the agent, double
-        ones the tool.
+        ones the tool, and one with a bar puts it down.
     """
     map_width, map_height = cell * world.width, max(cell * world.height, 240)
     width, height = 3 * _GAP + 80 + map_width + _BARS, _HEAD + map_height + _FOOT
@@ -49,7 +49,7 @@ def futures_figure(
     _draw_sequences(bars, mdp, found)
     horizon = found.sequences.shape[1]
     figure.suptitle(
-        f"where the {thing} could be after {horizon} actions: "
+        f"where the {thing.rpartition(':')[2]} could be after {horizon} actions: "
         f"{found.empowerment:.3f} {found.unit}, {len(found.observations)} cells",
         fontsize=11,
     )

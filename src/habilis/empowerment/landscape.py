@@ -1,7 +1,7 @@
 """Landscapes: a value for every cell that the agent can be in, all else fixed."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
@@ -9,11 +9,13 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.empowerment.core import Options, empowerment
+from habilis.empowerment.landscape_states import asked
 from habilis.empowerment.sensors import Sensor
 from habilis.files import suffix_of
 from habilis.mdp import TabularMDP
-from habilis.worlds.table import tabulate
-from habilis.worlds.world import NO_TOOL, Cell, World
+from habilis.worlds.moving import Where
+from habilis.worlds.placements import object_factors, tool_factors
+from habilis.worlds.world import World
 
 if TYPE_CHECKING:
     import polars as pl
@@ -122,13 +124,13 @@ def landscape(
     actions: Sequence[int] | None = None,
     *,
     slip: float = 0.0,
-    tool: Cell | None = None,
-    object: Cell | None = None,
+    tool: Where | None = None,
+    object: Where | None = None,
     mdp: TabularMDP | None = None,
     ax: "Axes | None" = None,
     **options: Unpack[Options],
 ) -> Landscape:
-    """Empowerment for every agent cell, tool and object fixed.
+    """Empowerment for every agent cell, all other things fixed.
 
     Args:
         world: the map.
@@ -136,7 +138,8 @@ def landscape(
         slip: as in `tabulate`.
         tool, object: their cells; by default those of the map. The agent next to the tool has it
             in hand; where the tool does not lie at its cell of the map, there are only such
-            states.
+            states. Of several, cells by names, as `tool={"rake": (2, 3)}`: these may lie anywhere,
+            and the first beside the agent is in hand.
         mdp: the world's table, if it is at hand.
         ax: Matplotlib axes to draw it on at once (see `Landscape.draw`).
         **options: of `empowerment`, such as unit="nats".
@@ -154,46 +157,27 @@ def landscape(
         >>> found.values.shape, float(np.nanmax(found.values))
         ((10, 10), 1.0)
     """
-    if tool is not None and world.tool == NO_TOOL:
+    if tool is not None and not world.tools:
         raise ValueError(f"{world.name} has no tool here; leave out tool, or use with_tool")
     if mdp is not None and slip:
         raise ValueError("slip is given beside a table; give it to `tabulate`")
     if mdp is not None and (
         mdp.shape != (world.height, world.width)
-        or ("tool" in mdp.factors) != (world.tool_rule is not None)
+        or (*tool_factors(world), *object_factors(world))
+        != tuple(name for name in mdp.factors if ":" in name or name in ("tool", "object"))
     ):
         raise ValueError(f"{world.name}: the table is of another map; give what `tabulate` made")
-    mdp = tabulate(world, slip) if mdp is None else mdp
-    tool = world.tool_cell if tool is None else tool
-    object = world.object if object is None else object
-    states = _states(mdp, tool, object)
-    cells = mdp.factor("agent")[states]
+    shown, mdp, states = asked(world, horizon, sensor, slip, tool, object, mdp)
     values = np.full(world.height * world.width, np.nan)
-    values[cells] = empowerment(mdp, horizon, sensor, actions, states, **options)
-    row, column = divmod(int(cells[0]), world.width)
-    agent = (row, column) if world.agent in (tool, object) else world.agent
+    bits = empowerment(mdp, horizon, sensor, actions, states, **options)
+    values[mdp.factor("agent")[states]] = bits
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
     found = Landscape(
         values=values.reshape(world.height, world.width),
-        world=replace(world, agent=agent, tool_cell=tool, object=object),
+        world=shown,
         unit=options.get("unit", "bits"),
         title=f"{horizon}-step empowerment{sensed}",
     )
     if ax is not None:
         found.draw(ax)
     return found
-
-
-def _states(mdp: TabularMDP, tool: Cell | None, object: Cell) -> np.ndarray:
-    """The states with tool and object there, one for every agent cell."""
-    here = mdp.factor("object") == mdp.label(object)
-    if "tool" in mdp.factors:
-        assert tool is not None, "a world with a tool has a cell for it"
-        here &= mdp.factor("tool") == mdp.label(tool)
-    states = np.flatnonzero(here)
-    if not len(states):
-        raise ValueError(
-            f"no state has the tool at {tool} and the object at {object}; "
-            "give two distinct free cells, the tool's beside a free one or the map's own"
-        )
-    return states

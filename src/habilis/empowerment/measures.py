@@ -49,7 +49,7 @@ def compared_states(mdp: TabularMDP) -> np.ndarray:
     Raises:
         ValueError: the tool can never be in hand.
     """
-    if "tool" not in mdp.factors:
+    if not any(name.partition(":")[0] == "tool" for name in mdp.factors):
         return np.ones(mdp.states, bool)
     if not mdp.flags["equipped"].any():
         raise ValueError("there is no room to hold the tool; leave two free cells side by side")

@@ -57,8 +57,9 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
 
     Args:
         mdp: the table.
-        sensor: "state", the name of a factor, or an int[S] array of labels. Labels need not be
-            consecutive: states with equal labels look alike, and nothing else matters.
+        sensor: "state", the name of a factor ("object" stands for "object:can" where that is the
+            only object), or an int[S] array of labels. Labels need not be consecutive: states
+            with equal labels look alike, and nothing else matters.
 
     Returns:
         Labels renumbered from 0 without gaps, and how many there are.
@@ -69,11 +70,7 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
     if isinstance(sensor, str):
         if sensor == "state":
             return np.arange(mdp.states, dtype=np.int32), mdp.states
-        if sensor not in mdp.factors:
-            raise ValueError(
-                f"sensor {sensor!r} is unknown; use one of {', '.join(['state', *mdp.factors])}"
-            )
-        labels = mdp.factors[sensor]
+        labels = mdp.factors[mdp.factor_named(sensor, "sensor", ["state"])]
     else:
         labels = as_array("sensor", sensor)
         if labels.shape != (mdp.states,) or not np.issubdtype(labels.dtype, np.integer):

@@ -44,7 +44,7 @@ def to_dataframe(
     rows = chosen_states(mdp, states)
     columns: dict[str, np.ndarray] = {"state": rows}
     for name, labels in mdp.factors.items():
-        if mdp.shape is None:
+        if mdp.shape is None or not mdp.is_cell(name):
             columns[name] = labels[rows]
         else:
             row, column = np.divmod(labels[rows], mdp.shape[1])

@@ -35,7 +35,8 @@ class Config:
     world: str = setting("corridor", "a built-in world's name or the path of a map")
     tool: str | None = setting(
         None,
-        'takes the place of the map\'s own tool: "picker", "broom", "none" or "FILE.py:CLASS"',
+        'takes the place of the map\'s own tools: "picker", "broom", "rake", "stick", "magnet", '
+        '"none" or "FILE.py:CLASS"',
     )
     algorithm: Algorithm = field(default=A2C(), metadata={"help": "how the agent learns"})
     intrinsic: str = setting(

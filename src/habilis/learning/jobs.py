@@ -17,7 +17,7 @@ from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_l
 from habilis.learning.runs import Record, Run, episode_table
 from habilis.learning.task import Task, make_task
 from habilis.mdp import TabularMDP
-from habilis.worlds.plans import solve
+from habilis.worlds.plans import check_certain, solve
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world
 
@@ -122,7 +122,7 @@ class Job:
 
 @lru_cache(KEPT)
 def _tabulated(world: World) -> tuple[TabularMDP, float, Ledger]:
-    mdp = tabulate(world)
+    mdp = tabulate(check_certain(world))
     plan = solve(mdp)
     if plan is None:
         raise ValueError(f"{world.name}: the goal cannot be reached; open a way to it")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int32
 
-from habilis.mdp import TabularMDP
+from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.worlds.placements import object_factors, tool_factors
 from habilis.worlds.rules import ACTIONS, DROP_NAME, MOVES, NONE, Grid, Kinds, Places, attached
 from habilis.worlds.world import World
@@ -51,9 +51,9 @@ def describe(
     cells |= dict(zip(object_factors(world), at.objects, strict=True))
     factors = {name: grid.label(one).astype(np.int32) for name, one in cells.items()}
     if world.several and world.tools:
-        factors["held"] = at.held.astype(np.int32)
+        factors[HELD] = at.held.astype(np.int32)
     if world.drop and at.laid is not None:
-        factors["laid"] = at.laid.astype(np.int32)
+        factors[LAID] = at.laid.astype(np.int32)
     reward, transitions = rewards(terminal, next_state), next_state
     if failing is not None:
         fails = np.array([*(tool.slip for tool in world.tools), 0.0])[at.held]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from habilis.mdp import TabularMDP
+from habilis.worlds.world import World
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,21 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
             return _trace(mdp, came_from, start, int(done[0]))
         frontier = reached
     return None
+
+
+def check_certain(world: World) -> World:
+    """The world, if its tools do what they do for sure; a plan, and training, need that.
+
+    Raises:
+        ValueError: one of them may fail; the message names it.
+    """
+    for tool in world.tools:
+        if tool.slip:
+            raise ValueError(
+                f"{world.name}: the tool {tool.name!r} has slip {tool.slip:g}, and what it does is "
+                "then no plan's to say; leave out its slip"
+            )
+    return world
 
 
 def _trace(mdp: TabularMDP, came_from: np.ndarray, start: int, end: int) -> Plan:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Int32
 
-from habilis.mdp import TabularMDP
+from habilis.mdp import HELD, TabularMDP
 from habilis.worlds.described import actions_of, describe, rewards
 from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
 from habilis.worlds.reach import MAX_STATES, reachable
@@ -168,7 +168,7 @@ def placement(world: World, mdp: TabularMDP, state: int) -> World:
             replace(thing, cell=at)
             for thing, at in zip(world.more_objects, objects[1:], strict=True)
         ),
-        held=int(mdp.factor("held")[state]) if "held" in mdp.factors else None,
+        held=int(mdp.factor(HELD)[state]) if HELD in mdp.factors else None,
     )
 
 

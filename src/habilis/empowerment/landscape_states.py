@@ -1,0 +1,100 @@
+"""The states of a landscape: one for every cell of the agent."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from habilis.empowerment.arguments import whole_number
+from habilis.empowerment.sensors import Sensor
+from habilis.mdp import HELD, LAID, TabularMDP
+from habilis.worlds.moving import Where, elsewhere, free_cells
+from habilis.worlds.placements import Placement, places_of, start_of
+from habilis.worlds.reach import reachable
+from habilis.worlds.rules import NONE, Grid
+from habilis.worlds.table import tabulate
+from habilis.worlds.world import Cell, World
+
+
+def asked(
+    world: World,
+    horizon: int,
+    sensor: Sensor,
+    slip: float,
+    tool: Where | None,
+    object: Where | None,
+    mdp: TabularMDP | None,
+) -> tuple[World, TabularMDP, np.ndarray]:
+    """The world with its things where they are to be, a table, and a state for every agent cell."""
+    if world.several:
+        shown = elsewhere(world, tool=tool, object=object)
+        if mdp is not None or not isinstance(sensor, str):
+            mdp = tabulate(world, slip) if mdp is None else mdp
+            return shown, mdp, _states_of_several(shown, mdp)
+        mdp, states = reachable(shown, _placements(shown), whole_number("horizon", horizon))
+        return shown, mdp.slippery(slip), states
+    mdp = tabulate(world, slip) if mdp is None else mdp
+    tool = _only(world, "tool", world.tool_cell, tool)
+    object = _only(world, "object", world.object, object)
+    states = _states(mdp, tool, object)
+    row, column = divmod(int(mdp.factor("agent")[states[0]]), world.width)
+    agent = (row, column) if world.agent in (tool, object) else world.agent
+    return replace(world, agent=agent, tool_cell=tool, object=object), mdp, states
+
+
+def _only(world: World, kind: str, cell: Cell | None, where: Where | None) -> Any:
+    """Where the only tool or object is to be."""
+    if not isinstance(where, Mapping):
+        return cell if where is None else where
+    things = world.tools if kind == "tool" else world.objects
+    unknown = [name for name in where if name not in {thing.name for thing in things}]
+    if unknown:
+        known = f"its only one is {things[0].name}" if things else "it has none"
+        raise ValueError(f"{world.name} has no {kind} {unknown[0]!r}; {known}")
+    return next(iter(where.values()), cell)
+
+
+def _placements(world: World) -> list[Placement]:
+    """The agent in every cell where it can be, all else where the map has it."""
+    there = start_of(world)
+    taken = {cell for name, cell in there.items() if name != "agent"}
+    return [{**there, "agent": cell} for cell in free_cells(world) if cell not in taken]
+
+
+def _states_of_several(world: World, mdp: TabularMDP) -> np.ndarray:
+    """The states of a table with all things but the agent there, and in hand what follows."""
+    grid, placements = Grid.of(world), _placements(world)
+    at = places_of(world, grid, placements)
+    held = np.full(world.height * world.width, NONE)
+    held[grid.label(at.agent)] = at.held
+    here = np.ones(mdp.states, bool)
+    for name, cell in start_of(world).items():
+        if name != "agent":
+            here &= mdp.factor(name) == mdp.label(cell)
+    if HELD in mdp.factors:
+        here &= mdp.factor(HELD) == held[mdp.factor("agent")]
+    if LAID in mdp.factors:
+        here &= mdp.factor(LAID) == NONE
+    states = np.flatnonzero(here)
+    if not len(states):
+        raise ValueError(
+            f"{world.name}: no state of the table has everything there; leave out the table, and "
+            "name the sensor"
+        )
+    return states
+
+
+def _states(mdp: TabularMDP, tool: Cell | None, object: Cell) -> np.ndarray:
+    """The states with tool and object there, one for every agent cell."""
+    here = mdp.factor("object") == mdp.label(object)
+    if "tool" in mdp.factors:
+        assert tool is not None, "a world with a tool has a cell for it"
+        here &= mdp.factor("tool") == mdp.label(tool)
+    states = np.flatnonzero(here)
+    if not len(states):
+        raise ValueError(
+            f"no state has the tool at {tool} and the object at {object}; "
+            "give two distinct free cells, the tool's beside a free one or the map's own"
+        )
+    return states
