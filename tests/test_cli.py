@@ -197,7 +197,10 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
     ("arguments", "says"),
     [
         (["solve", "nowhere"], "nowhere: no such world"),
-        (["solve", "corridor", "--tool", "spoon"], "use one of picker, broom, rake, stick, magnet, none"),
+        (
+            ["solve", "corridor", "--tool", "spoon"],
+            "use one of picker, broom, rake, stick, magnet, none",
+        ),
         (["compare", "yard", "--horizon", "-1"], "give a whole number from 0 up"),
         (["compare", "yard", "--horizon", "two"], "invalid int value: 'two'"),
         (["compare", "yard", "--tools", "", "--horizon", "1"], "no tools to compare"),

@@ -78,7 +78,10 @@ def test_side_by_side_is_in_the_open():
         (HEAD.replace("5", "0") + STEPS, "no room"),
         (HEAD.replace("walls = 3", "walls = 22") + STEPS, "22 walls"),
         (HEAD.replace("walls = 3", "walls = true") + STEPS, "[map] needs"),
-        (HEAD.replace("picker", "spoon") + STEPS, "'spoon'; use one of picker, broom, none"),
+        (
+            HEAD.replace("picker", "spoon") + STEPS,
+            "'spoon'; use one of picker, broom, rake, stick, magnet, none",
+        ),
         (HEAD + STEPS.replace("steps", "hops", 1), "number 1: kind is 'hops'; use one of steps"),
         (HEAD + STEPS + STEPS + "horizon = 3", "number 2: 'horizon' says nothing of steps"),
         (HEAD + STEPS.replace("6", '"six"'), "number 1: value is 'six'; give a number"),

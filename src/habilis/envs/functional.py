@@ -17,8 +17,9 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 from habilis.empowerment.bonus import Bonus
 from habilis.empowerment.keeping import kept_empowerment
 from habilis.empowerment.sensors import Sensor
+from habilis.envs.chance import Chance
 from habilis.envs.observations import Labels, Marks, cells, grid, one_hot, ranked
-from habilis.envs.params import Empowerment, Params, State
+from habilis.envs.params import Empowerment, Outcomes, Params, State
 from habilis.envs.spaces import classes
 from habilis.envs.steps import (
     Alone,
@@ -51,8 +52,8 @@ class FunctionalEnv:
     terminal, 1 elsewhere).
 
     Actions are int32; JAX cannot refuse one that does not exist. The key of a step matters only
-    where there is slip, that of a reset never. All methods work inside `jit`, `vmap` and `scan`;
-    `params` may be left out: they are `default_params` then.
+    where there is slip, an agent's or a tool's, that of a reset never. All methods work inside
+    `jit`, `vmap` and `scan`; `params` may be left out: they are `default_params` then.
 
     Example:
         >>> import jax
@@ -99,11 +100,16 @@ class FunctionalEnv:
             place = as_world(world)
             place = place if tool is None else place.with_tool(tool)
             mdp, self._name = tabulate(place), place.name
-        check_episode(mdp, max_steps, slip)
+        chance = None if place is None else Chance.of(mdp)
+        check_episode(mdp, max_steps, slip, chance)
         shown = _shown(observation, mdp, place)
         self._mdp, self._slip, self._shown = mdp, slip, shown
         self._params = Params(
-            next_state=jnp.asarray(mdp.next_state),
+            next_state=jnp.asarray(
+                mdp.next_state
+                if chance is None
+                else chance.next_state[:, 0].reshape(-1, mdp.action_count)
+            ),
             reward=jnp.asarray(mdp.reward),
             terminal=jnp.asarray(mdp.terminal),
             start=mdp.start,
@@ -112,6 +118,13 @@ class FunctionalEnv:
             seen=jnp.asarray(shown.at if isinstance(shown, Marks) else shown.of, jnp.int32),
             background=jnp.asarray(shown.still) if isinstance(shown, Marks) else None,
             slip=slip or None,
+            chance=None
+            if chance is None
+            else Outcomes(
+                jnp.asarray(chance.next_state),
+                jnp.asarray(chance.below, jnp.float32),
+                jnp.asarray(chance.reward, jnp.float32),
+            ),
         )
 
     def with_empowerment(

@@ -1,6 +1,6 @@
 """What an agent is shown of a state of a table."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -9,7 +9,9 @@ import gymnasium
 import numpy as np
 from jaxtyping import Int64, UInt8
 
-from habilis.mdp import TabularMDP
+from habilis.mdp import HELD, TabularMDP
+from habilis.worlds.placements import object_factors, tool_factors
+from habilis.worlds.rules import NONE
 from habilis.worlds.world import World
 
 if TYPE_CHECKING:
@@ -45,6 +47,12 @@ def observation(kind: str, mdp: TabularMDP, world: World) -> Observation:
             `[things * cells]`; "grid", uint8 `[channels, rows, columns]` with a channel each for
             walls, goal, agent, tool (where there is one) and object; "rgb", a picture of 16 pixels
             a cell, uint8 `[16 * rows, 16 * columns, 3]`.
+
+            Of several things "factors" has all cells in the order of `mdp.factors`, then which
+            tool is in hand, 0 for none, 1 for the first, and, where tools can be put down, in the
+            same way which was and has not been left since. "grid" has a channel for each object's
+            goal, for each thing, and one each for the cell of the tool in hand and of the one that
+            was put down.
         mdp: the world's table.
         world: the map.
 
@@ -98,9 +106,11 @@ class Marks:
 
 
 def cells(mdp: TabularMDP, world: World) -> Labels:
-    """The cells of a world's things."""
-    each = np.stack([mdp.factors[name] for name in mdp.factors], axis=1)
-    return Labels(each.astype(np.int64), [world.height * world.width] * each.shape[1])
+    """The cells of a world's things, and of several what is in hand, counted from 0 for nothing."""
+    hands = 1 + len(world.tools)
+    sizes = [world.height * world.width if mdp.is_cell(name) else hands for name in mdp.factors]
+    each = [mdp.factors[name] - (0 if mdp.is_cell(name) else NONE) for name in mdp.factors]
+    return Labels(np.stack(each, axis=1).astype(np.int64), sizes)
 
 
 def ranked(mdp: TabularMDP) -> Labels:
@@ -118,13 +128,24 @@ def one_hot(labels: Labels) -> Marks:
 
 
 def grid(labels: Labels, world: World) -> Marks:
-    """A channel each for walls, goal, and every thing."""
-    still = np.zeros((2 + labels.of.shape[1], world.height, world.width), np.uint8)
+    """A channel each for walls, every goal, every thing, and what is or was in hand."""
+    goals = [thing.goal for thing in world.objects if thing.goal is not None]
+    below = 1 + len(goals)
+    still = np.zeros((below + labels.of.shape[1], world.height, world.width), np.uint8)
     for cell in world.walls:
         still[0][cell] = 1
-    still[1][world.goal] = 1
-    firsts = world.height * world.width * np.arange(2, len(still))
-    return Marks(labels.of + firsts, still)
+    for channel, goal in enumerate(goals, start=1):
+        still[channel][goal] = 1
+    firsts = world.height * world.width * np.arange(below, len(still))
+    at = labels.of + firsts
+    things = 1 + len(world.tools) + len(world.objects)
+    tools = labels.of[:, 1 : 1 + len(world.tools)]
+    for column in range(things, at.shape[1]):
+        which = labels.of[:, column] - 1
+        its = np.take_along_axis(tools, np.maximum(which, 0)[:, None], axis=1)[:, 0]
+        # Where no tool is, there is a one less: the agent's again.
+        at[:, column] = np.where(which < 0, at[:, 0], its + firsts[column])
+    return Marks(at, still)
 
 
 def _labels(labels: Labels) -> Observation:
@@ -146,7 +167,9 @@ def frames(mdp: TabularMDP, world: World, cell: int) -> Show:
     """Pictures of states, uint8 `[cell * rows, cell * columns, 3]`, of several with N in front."""
     from habilis.worlds.tiles import Tiles
 
-    return partial(_pictured, Tiles.of(world, cell), mdp.factors)
+    names = ["agent"], tool_factors(world), object_factors(world), [HELD] * (HELD in mdp.factors)
+    each = [tuple(mdp.factors[name] for name in group) for group in names]
+    return partial(_pictured, Tiles.of(world, cell), each)
 
 
 # What shows is no function inside another: those cannot be pickled, and environments are.
@@ -166,7 +189,8 @@ def _marked(
     return shown.reshape(*places.shape[:-1], *still.shape)
 
 
-def _pictured(tiles: "Tiles", factors: Mapping[str, np.ndarray], states: Any) -> np.ndarray:
-    at = {name: labels[np.atleast_1d(states)] for name, labels in factors.items()}
-    pictures = tiles.frames(at["agent"], at.get("tool"), at["object"])
+def _pictured(tiles: "Tiles", factors: Sequence[tuple[np.ndarray, ...]], states: Any) -> np.ndarray:
+    which = np.atleast_1d(states)
+    (agent,), tools, objects, held = ([of[which] for of in group] for group in factors)
+    pictures = tiles.laid(agent, tools, objects, held[0] if held else None)
     return pictures if np.ndim(states) else pictures[0]

@@ -9,9 +9,10 @@ from jaxtyping import Array, Bool, Float, Int32, UInt8
 
 _STATE = ("index", "time")
 _EMPOWERMENT = ("bits", "weights")
+_OUTCOMES = ("next_state", "below", "reward")
 _PARAMS = (
     *("next_state", "reward", "terminal", "start", "max_steps_in_episode"),
-    *("flags", "seen", "background", "slip", "empowerment"),
+    *("flags", "seen", "background", "slip", "empowerment", "chance"),
 )
 
 
@@ -54,6 +55,22 @@ class Empowerment:
     weights: dict[str, Any]
 
 
+@partial(jax.tree_util.register_dataclass, data_fields=_OUTCOMES, meta_fields=())
+@dataclass(frozen=True)
+class Outcomes:
+    """What may come of each transition, `state * actions + action`; see `chance.Chance`.
+
+    Attributes:
+        next_state: int32[S * A, K].
+        below: float32[S * A, K - 1], where in [0, 1) an outcome's share ends.
+        reward: float32[S * A, K].
+    """
+
+    next_state: Int32[Array, "transitions K"]
+    below: Float[Array, "transitions K-1"]
+    reward: Float[Array, "transitions K"]
+
+
 @partial(jax.tree_util.register_dataclass, data_fields=_PARAMS, meta_fields=())
 @dataclass(frozen=True)
 class Params:
@@ -75,6 +92,8 @@ class Params:
         slip: the probability that an action drawn uniformly takes the place of the chosen one;
             `None`: never, and no random number is drawn.
         empowerment: what is added to the reward; `None`: nothing.
+        chance: what may come of actions, where tools may fail; `next_state` and `reward` are not
+            looked at then, and have one of the outcomes and the mean. `None`: never.
     """
 
     next_state: Int32[Array, "S A"]
@@ -87,6 +106,7 @@ class Params:
     background: UInt8[Array, "*shape"] | None = None
     slip: Any = None
     empowerment: Empowerment | None = None
+    chance: Outcomes | None = None
 
     def replace(self, **changes: Any) -> "Params":
         """The same but for some attributes.

@@ -43,13 +43,20 @@ def step(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params
 def step_alone(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params) -> Alone:
     """A step; an episode that has ended with it stays where it is."""
     actions = params.next_state.shape[-1]
+    if params.chance is not None:
+        key, of_tool = jax.random.split(key)
     if params.slip is not None:
         slips, draws = jax.random.split(key)
         drawn = jax.random.randint(draws, (), 0, actions)
         action = jnp.where(jax.random.uniform(slips) < params.slip, drawn, action)
     transition = state.index * actions + jnp.asarray(action, jnp.int32)
-    index = params.next_state.reshape(-1)[transition]
-    reward = params.reward.reshape(-1)[transition]
+    if params.chance is None:
+        index = params.next_state.reshape(-1)[transition]
+        reward = params.reward.reshape(-1)[transition]
+    else:
+        draw = jax.random.uniform(of_tool)
+        outcome = transition, (params.chance.below[transition] <= draw).sum()
+        index, reward = params.chance.next_state[outcome], params.chance.reward[outcome]
     terminated = params.terminal[index]
     info = {
         "state": index,

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 from jaxtyping import Shaped
 
+from habilis.envs.chance import Chance
 from habilis.envs.observations import Observation, ranks
 from habilis.mdp import TabularMDP
 
@@ -44,6 +45,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         observation: Observation | None = None,
         columns: Mapping[str, Shaped[np.ndarray, "S"]] | None = None,
         slip: float = 0.0,
+        chance: Chance | None = None,
     ):
         """
         Args:
@@ -52,13 +54,15 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
             observation: what is shown of a state.
             columns: by name, a value for every state.
             slip: the probability that an action drawn uniformly takes the place of the chosen one.
+            chance: of a stochastic table, what may come of each action.
 
         Raises:
             ValueError: the table is stochastic, or a number is out of its range.
         """
-        check_episode(mdp, max_steps, slip)
+        check_episode(mdp, max_steps, slip, chance)
         shown = ranks(mdp) if observation is None else observation
         self.mdp, self._columns = mdp, dict(columns or {})
+        self._chance = chance
         self._look_up()
         self._show, self._actions = shown.show, mdp.action_count
         self._max_steps, self.slip = max_steps, slip
@@ -68,7 +72,8 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
 
     def _look_up(self) -> None:
         """Views, not lists: they give Python's own numbers as fast, and take no time to make."""
-        self._next_state = self.mdp.next_state.reshape(-1).data
+        if self._chance is None:
+            self._next_state = self.mdp.next_state.reshape(-1).data
         self._reward = self.mdp.reward.astype(np.float64).reshape(-1).data
         self._terminal = self.mdp.terminal.data
         self._told = [(name, column.data) for name, column in self._columns.items()]
@@ -104,11 +109,17 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         if self.slip and self.np_random.random() < self.slip:
             chosen = int(self.np_random.integers(self._actions))
         transition = self.state * self._actions + chosen
-        self.state = state = self._next_state[transition]
+        if self._chance is None:
+            self.state = state = self._next_state[transition]
+            reward = self._reward[transition]
+        else:
+            outcome = transition, self._chance.drawn(transition, self.np_random.random())
+            self.state = state = int(self._chance.next_state[outcome])
+            reward = float(self._chance.reward[outcome])
         self._steps += 1
         ended: Any = self._terminal[state]
         cut = not ended and self._steps >= self._max_steps
-        return self._show(state), self._reward[transition], ended, cut, self._info()
+        return self._show(state), reward, ended, cut, self._info()
 
     def _info(self) -> dict[str, Any]:
         state = self.state
@@ -118,9 +129,11 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         return info
 
 
-def check_episode(mdp: TabularMDP, max_steps: int, slip: float) -> None:
+def check_episode(
+    mdp: TabularMDP, max_steps: int, slip: float, chance: Chance | None = None
+) -> None:
     """Raises ValueError: the table is stochastic, or a number is out of its range."""
-    if mdp.is_stochastic:
+    if mdp.is_stochastic and chance is None:
         raise ValueError("the table is stochastic; give a deterministic one, and slip= for chance")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:
         raise ValueError(f"max_steps is {max_steps!r}; give a whole number of at least 1")

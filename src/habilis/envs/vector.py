@@ -9,6 +9,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from jaxtyping import Bool, Int64, Shaped
 
+from habilis.envs.chance import Chance
 from habilis.envs.observations import Observation, ranks
 from habilis.envs.table import MAX_STEPS, check_episode
 from habilis.mdp import TabularMDP
@@ -47,6 +48,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         observation: Observation | None = None,
         columns: Mapping[str, Shaped[np.ndarray, "S"]] | None = None,
         slip: float = 0.0,
+        chance: Chance | None = None,
     ):
         """
         Args:
@@ -54,20 +56,22 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             num_envs: N.
             max_steps: the length of an episode, at most.
             autoreset_mode: Gymnasium's, or its name: "NextStep", "SameStep", "Disabled".
-            observation, columns, slip: as in `TableEnv`.
+            observation, columns, slip, chance: as in `TableEnv`.
 
         Raises:
             ValueError: the table is stochastic, a number is out of its range, or there is no
                 such mode.
         """
-        check_episode(mdp, max_steps, slip)
+        check_episode(mdp, max_steps, slip, chance)
         if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
             raise ValueError(f"num_envs is {num_envs!r}; give a whole number of at least 1")
         shown = ranks(mdp) if observation is None else observation
         self.mdp, self.num_envs = mdp, num_envs
         self._mode = _mode(autoreset_mode)
         self.metadata = self.metadata | {"autoreset_mode": self._mode}
-        self._next_state = mdp.next_state.reshape(-1)
+        self._chance = chance
+        if chance is None:
+            self._next_state = mdp.next_state.reshape(-1)
         self._reward = mdp.reward.astype(np.float64).reshape(-1)
         self._terminal = mdp.terminal
         self._columns = dict(columns or {})
@@ -121,8 +125,13 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         begins = self._ended if self._mode is AutoresetMode.NEXT_STEP and self._any else None
         transition = self.state * self._actions
         transition += chosen
-        after = self._next_state.take(transition)
-        rewards = self._reward.take(transition)
+        if self._chance is None:
+            after = self._next_state.take(transition)
+            rewards = self._reward.take(transition)
+        else:
+            draws = self.np_random.random(self.num_envs)
+            outcome = transition, self._chance.drawn(transition, draws)
+            after, rewards = self._chance.next_state[outcome], self._chance.reward[outcome]
         self._steps += 1
         if begins is not None:  # these make no step: their next episode begins
             after[begins], rewards[begins], self._steps[begins] = self.mdp.start, 0.0, 0

@@ -12,6 +12,7 @@ from gymnasium.vector import AutoresetMode
 from jaxtyping import Shaped, UInt8
 
 from habilis.empowerment.keeping import kept_empowerment
+from habilis.envs.chance import Chance
 from habilis.envs.observations import Observation, Show, frames, observation
 from habilis.envs.screen import Screen
 from habilis.envs.table import MAX_STEPS, TableEnv
@@ -34,8 +35,9 @@ class WorldEnv(TableEnv):
     """A world of agent, tool and can as a Gymnasium environment.
 
     Actions: `Discrete(8)`, 0 to 3 move the agent north, east, south, west, 4 to 7 put the tool on
-    that side of it; without a tool `Discrete(4)`. Reward: -1 a step, and 0 for the one that brings
-    the can into the goal, which terminates the episode. After `max_steps` it is truncated.
+    that side of it; without a tool `Discrete(4)`; `Discrete(9)` where 8 puts the tool down. Reward:
+    -1 a step, and 0 for the one that brings the can into the goal, which terminates the episode, or
+    the last of several objects into its goal. After `max_steps` it is truncated.
 
     `info` has "state" (the index in `mdp`), "equipped" and "attached" (bool), and the bits of each
     measure that was asked for, by its name.
@@ -72,8 +74,9 @@ class WorldEnv(TableEnv):
             tool: takes the place of the map's own, by its name or itself; `None` keeps that.
             max_steps: the length of an episode, at most.
             observation: "factors", `MultiDiscrete`, the cells of agent, tool and object, each
-                `row * columns + column`; "onehot", the same as zeros and ones; "grid", uint8
-                `[channels, rows, columns]`; or "rgb", a picture. See `observations.observation`.
+                `row * columns + column` (of several which is in hand too); "onehot", the same as
+                zeros and ones; "grid", uint8 `[channels, rows, columns]`; or "rgb", a picture. See
+                `observations.observation`.
             measures: by name, arguments of `habilis.empowerment`, whose bits `info` then has.
             slip: the probability that an action drawn uniformly takes the place of the chosen one.
             render_mode: "ansi", "rgb_array", "human" (a window), or `None`.
@@ -89,6 +92,7 @@ class WorldEnv(TableEnv):
             observation=scene.observation,
             columns=scene.columns,
             slip=slip,
+            chance=scene.chance,
         )
         self.world, self.render_mode, self._scene = scene.world, render_mode, scene
         self._screen: Screen | None = None
@@ -180,6 +184,7 @@ class WorldVectorEnv(TableVectorEnv):
             observation=scene.observation,
             columns=scene.columns,
             slip=slip,
+            chance=scene.chance,
         )
         self.world, self.render_mode, self._scene = scene.world, render_mode, scene
 
@@ -201,6 +206,7 @@ class Scene:
         mdp: its table.
         observation: what is shown.
         columns: what `info` says of every state.
+        chance: what may come of actions, where tools may fail.
         draw: makes pictures, if they were asked for.
     """
 
@@ -208,6 +214,7 @@ class Scene:
     mdp: TabularMDP
     observation: Observation
     columns: dict[str, Shaped[np.ndarray, "S"]]
+    chance: Chance | None
     draw: Show | None
 
     @classmethod
@@ -245,7 +252,7 @@ class Scene:
                     '{"horizon": 6, "sensor": "object"}'
                 ) from None
         draw = None if render_mode in (None, "ansi") else frames(mdp, found, _CELL)
-        return cls(found, mdp, observation(shown, mdp, found), columns, draw)
+        return cls(found, mdp, observation(shown, mdp, found), columns, Chance.of(mdp), draw)
 
     def text(self, state: int) -> str:
         """The map in the colours of a terminal, two characters a cell."""

@@ -1,0 +1,43 @@
+"""What may come of an action where chance has a say, as arrays to draw from."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int32
+
+from habilis.mdp import TabularMDP
+from habilis.worlds.described import rewards
+
+
+@dataclass(frozen=True, eq=False)
+class Chance:
+    """The K outcomes that a transition may have, where there are fewer some of them twice.
+
+    Attributes:
+        next_state: int32[S * A, K], row `state * actions + action`.
+        below: float64[S * A, K - 1], where in [0, 1) each outcome's share ends and the next begins.
+        reward: float64[S * A, K].
+    """
+
+    next_state: Int32[np.ndarray, "transitions K"]
+    below: Float[np.ndarray, "transitions K-1"]
+    reward: Float[np.ndarray, "transitions K"]
+
+    @classmethod
+    def of(cls, mdp: TabularMDP) -> "Chance | None":
+        """The outcomes in a world's table, with the rewards of rule 6; `None` without chance."""
+        if isinstance(mdp.transitions, np.ndarray):
+            return None
+        table = mdp.transitions
+        first, counts = table.indptr[:-1], np.diff(table.indptr)
+        most = int(counts.max())
+        place = first[:, None] + np.minimum(np.arange(most), counts[:, None] - 1)
+        there = np.arange(most) < counts[:, None]
+        share = np.where(there, table.data[place], 0.0)
+        next_state = table.indices[place].astype(np.int32)
+        reward = rewards(mdp.terminal, next_state).astype(np.float64)
+        return cls(next_state, np.cumsum(share, axis=1)[:, :-1], reward)
+
+    def drawn(self, transition, draw):
+        """Which outcome it is, for uniform numbers from [0, 1)."""
+        return (self.below[transition] <= np.asarray(draw)[..., None]).sum(axis=-1)
