@@ -52,7 +52,6 @@ def train(args: Args) -> int:
 
 
 def watch(args: Args) -> int:
-    import habilis
     from habilis.worlds.films import save_gif, save_mp4
     from habilis.worlds.pictures import colored_text
     from habilis.worlds.table import placement
@@ -62,7 +61,8 @@ def watch(args: Args) -> int:
     ended = folder.is_finished(args.folder)
     run = folder.load_latest(args.folder)
     episode = replay.play(run, args.run)
-    mdp = habilis.tabulate(run.world)
+    mdp = replay.table_of(run)
+    shares = replay.success(run, args.run) if run.config.starts else None
     frames = [placement(run.world, mdp, state) for state in episode.states]
     films = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
     for path, write in films:
@@ -73,6 +73,7 @@ def watch(args: Args) -> int:
             {"steps": len(episode.actions), "return": episode.episode_return}
             | {"finished": episode.finished, "actions": list(episode.actions)}
             | {"run": args.run, "episodes": trained, "ended": ended}
+            | ({} if shares is None else {"success": shares._asdict()})
         )
         return 0 if episode.finished else 1
     screen = console()
@@ -85,6 +86,9 @@ def watch(args: Args) -> int:
     print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
     so_far = "" if ended else ", as the last checkpoint has it: training has not ended"
     print(f"run {args.run} after {trained:,} episodes{so_far}")
+    if shares is not None:
+        unseen = "" if shares.unseen is None else f", {shares.unseen:.0%} of those held out"
+        print(f"reaches the goal from {shares.seen:.0%} of the starts trained from{unseen}")
     for path, _ in films:
         print(f"film: {path}")
     return 0 if episode.finished else 1

@@ -106,8 +106,11 @@ def train_jobs(
 def _next_batch(waiting: list[Seat]) -> list[Seat]:
     """Takes those that have come least far, all of one program and world."""
     waiting.sort(key=lambda seat: (seat.job.records[seat.run].steps, seat.job.index, seat.run))
-    first = waiting[0].job
-    same = [s for s in waiting if (s.job.world, s.job.program) == (first.world, first.program)]
+
+    def kind(job: Job) -> tuple:
+        return job.world, job.begins, job.program
+
+    same = [seat for seat in waiting if kind(seat.job) == kind(waiting[0].job)]
     batch = same[:LANES]
     for seat in batch:
         waiting.remove(seat)

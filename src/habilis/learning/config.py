@@ -41,8 +41,9 @@ class Config:
     algorithm: Algorithm = field(default=A2C(), metadata={"help": "how the agent learns"})
     intrinsic: str = setting(
         NO_INTRINSIC,
-        'what is added to the reward: the empowerment through "state" or a factor\'s name; '
-        '"count", 1 / sqrt(visits of the state); "rnd", random network distillation; or "none"',
+        'what is added to the reward: the empowerment through "state" or a factor\'s name, or sums '
+        'and products of several, as "object:can + object:can2"; "count", 1 / sqrt(visits of the '
+        'state); "rnd", random network distillation; or "none"',
     )
     horizon: int = setting(0, "horizon of that empowerment, in actions")
     beta: float = as_in(Bonus, "beta")
@@ -58,6 +59,13 @@ class Config:
         100_000_000, "environment steps after which a run is given up (looked at every 20,000)"
     )
     episode_limit: int = setting(500, "steps after which an episode is cut off (truncated)")
+    starts: int = setting(
+        0, "random placements of tools and objects that episodes begin from; 0: the map's own"
+    )
+    unseen: int = setting(
+        0, "further ones, from which none begins, for the success rate on what was never seen"
+    )
+    starts_seed: int = setting(0, "where the random numbers of these placements start")
 
     def __post_init__(self) -> None:
         check_types(self)
@@ -66,6 +74,12 @@ class Config:
         if self.tool is not None and not isinstance(self.tool, str):
             raise ValueError(f"tool is {self.tool!r}; give its name")
         at_least(self, horizon=0, runs=1, seed=0, episodes=1, steps=1, episode_limit=1)
+        at_least(self, starts=0, unseen=0, starts_seed=0)
+        if (self.unseen or self.starts_seed) and not self.starts:
+            raise ValueError(
+                f"unseen is {self.unseen} and starts_seed {self.starts_seed}, but starts is 0: "
+                "episodes begin where the map has everything; give starts"
+            )
         _ = self.bonus  # which refuses what is out of its range
         if self.seed >= 2**32:
             raise ValueError(f"seed is {self.seed}; give one below {2**32}")

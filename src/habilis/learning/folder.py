@@ -184,17 +184,17 @@ def read_world(folder: Path) -> World:
     named = _read(folder / "config.json", lambda path: _config(path)[1])
     world = _read(
         folder / "world.txt",
-        lambda path: World.parse(path.read_text(), named["name"]).with_tool(named["tool"]),
+        lambda path: World.read_back(path.read_text(), named["name"], named["tool"]),
     )
     check_same_table(world, named.get("table"), folder)
     return world
 
 
 def check_same_table(world: World, digest: str | None, folder: Path) -> None:
-    """Refuses a tool of one's own that has changed.
+    """Refuses tools of one's own that have changed.
 
     Args:
-        world: with the tool as it is now.
+        world: with the tools as they are now.
         digest: of its table as it was; `None` if it was not noted.
         folder: what was trained with it.
 
@@ -203,8 +203,8 @@ def check_same_table(world: World, digest: str | None, folder: Path) -> None:
     """
     if digest is not None and digest_of_own_tool(world) != digest:
         raise ValueError(
-            f"{folder}: was begun when the tool {world.tool!r} did something else; restore the "
-            "tool's file as it was, or train into a new folder"
+            f"{folder}: was begun when the tool {' or '.join(map(repr, world.own_tools))} did "
+            "something else; restore the tool's file as it was, or train into a new folder"
         )
 
 

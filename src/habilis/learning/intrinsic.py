@@ -37,10 +37,44 @@ def kind_of(config: Config) -> str:
 
 
 def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
-    """M, the empowerment of every state in bits, or 0 where a table is not what is asked for."""
+    """M, the empowerment of every state in bits, or 0 where a table is not what is asked for.
+
+    Of several sensors the sum, or the product, of their empowerments, as in `terms_of`.
+    """
     if config.intrinsic in (NO_INTRINSIC, *NOVELTIES):
         return np.zeros(mdp.states)
-    return empowerment(mdp, config.horizon, config.intrinsic)
+    terms = terms_of(config.intrinsic)
+    bits = {
+        name: empowerment(mdp, config.horizon, name)
+        for name in dict.fromkeys(name for term in terms for name in term)
+    }
+    return np.sum([np.prod([bits[name] for name in term], axis=0) for term in terms], axis=0)
+
+
+def terms_of(intrinsic: str) -> list[list[str]]:
+    """The sensors whose empowerments are multiplied in each term of a sum.
+
+    Example:
+        >>> terms_of("object:can + object:can2")
+        [['object:can'], ['object:can2']]
+        >>> terms_of("object:can*object:can2")
+        [['object:can', 'object:can2']]
+    """
+    return [[name.strip() for name in term.split("*")] for term in intrinsic.split("+")]
+
+
+def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:
+    """Refuses an intrinsic reward of which a table has no factor.
+
+    Raises:
+        ValueError: names it, and those that there are.
+    """
+    single = intrinsic in (NO_INTRINSIC, *NOVELTIES)
+    names = [] if single else [name for term in terms_of(intrinsic) for name in term]
+    alone = (NO_INTRINSIC, *NOVELTIES) if len(names) == 1 else ()
+    for name in names:
+        if name != "state":
+            mdp.factor_named(name, "intrinsic", [*alone, "state"])
 
 
 def weights(config: Config) -> dict[str, float]:

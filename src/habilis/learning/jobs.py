@@ -11,21 +11,17 @@ from jaxtyping import Float
 
 from habilis.cache import fingerprint
 from habilis.learning import intrinsic
-from habilis.learning.config import NO_INTRINSIC, NOVELTIES, Config
+from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
+from habilis.learning.starts import KEPT, Begins, ground
 from habilis.learning.task import Task, make_task
 from habilis.mdp import TabularMDP
-from habilis.worlds.plans import check_certain, solve
-from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world
 
 STRETCH = 20_000
 """Environment steps of one run between two looks at it from Python."""
-
-KEPT = 16
-"""How many worlds, and how many tables of values, are kept for the jobs that share them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,20 +71,23 @@ class Job:
             ValueError: a world, tool or sensor does not exist, or the goal is out of reach.
         """
         world = load_world(config.world, config.tool) if world is None else world
-        mdp, best_return, ledger = _tabulated(world)
-        known = (NO_INTRINSIC, *NOVELTIES, "state", *mdp.factors)
-        if config.intrinsic not in known:
-            raise ValueError(
-                f"intrinsic {config.intrinsic!r} is unknown; use one of {', '.join(known)}"
-            )
+        begins = Begins.of(config)
+        mdp, *_, best_return = ground(world, begins)
+        intrinsic.check_sensors(mdp, config.intrinsic)
+        ledger = _ledger(world, begins)
         numbers = tuple(range(config.runs) if numbers is None else numbers)
         records = [Record(config, best_return, ledger) for _ in numbers]
-        table = _values(world, config.intrinsic, config.horizon)
+        table = _values(world, begins, config.intrinsic, config.horizon)
         return cls(index, config, world, mdp, best_return, table, numbers, records, {})
+
+    @property
+    def begins(self) -> Begins:
+        """Where its episodes begin."""
+        return Begins.of(self.config)
 
     @cached_property
     def task(self) -> tuple[Task, int]:
-        return _task(self.world)
+        return _task(self.world, self.begins)
 
     @cached_property
     def program(self) -> Program:
@@ -121,37 +120,36 @@ class Job:
 
 
 @lru_cache(KEPT)
-def _tabulated(world: World) -> tuple[TabularMDP, float, Ledger]:
-    mdp = tabulate(check_certain(world))
-    plan = solve(mdp)
-    if plan is None:
-        raise ValueError(f"{world.name}: the goal cannot be reached; open a way to it")
-    return mdp, plan.best_return, Ledger.of(mdp)
+def _ledger(world: World, begins: Begins) -> Ledger:
+    return Ledger.of(ground(world, begins).mdp)
 
 
 def digest_of_own_tool(world: World) -> str | None:
-    """What a tool of one's own makes of a world's table, in 32 hexadecimal digits.
+    """What tools of one's own make of a world's table, in 32 hexadecimal digits.
 
-    `None` where the tool is a built-in one, which is always the same.
+    `None` where all tools are built-in ones, which are always the same.
 
     Raises:
         ValueError: the goal is out of reach.
     """
-    if world.own is None:
+    if not world.own_tools:
         return None
-    mdp = _tabulated(world)[0]
+    mdp = ground(world).mdp
     return fingerprint(mdp.next_state, *mdp.factors.values(), *mdp.flags.values())[:32]
 
 
 @lru_cache(KEPT)
-def _task(world: World) -> tuple[Task, int]:
-    return make_task(_tabulated(world)[0])
+def _task(world: World, begins: Begins) -> tuple[Task, int]:
+    on = ground(world, begins)
+    return make_task(on.mdp, on.seen if begins.starts else None)
 
 
 @lru_cache(KEPT)
-def _values(world: World, intrinsic_reward: str, horizon: int) -> Float[np.ndarray, "S"]:
+def _values(
+    world: World, begins: Begins, intrinsic_reward: str, horizon: int
+) -> Float[np.ndarray, "S"]:
     weight = float(intrinsic_reward != NO_INTRINSIC)
     config = Config(intrinsic=intrinsic_reward, horizon=horizon, beta=weight)
-    table = intrinsic.value_table(_tabulated(world)[0], config)
+    table = intrinsic.value_table(ground(world, begins).mdp, config)
     table.flags.writeable = False
     return table

@@ -107,10 +107,13 @@ def start_lanes(task: Task, program: Program, keys: PRNGKeyArray) -> Lane:
     def one_lane(key: PRNGKeyArray) -> Lane:
         for_learner, for_novelty, for_acting = jax.random.split(key, 3)
         envs = program.algorithm.envs
+        begin = (
+            jnp.full(envs, task.start) if task.start.ndim == 0 else _first(task, for_acting, envs)
+        )
         return Lane(
             learner=program.module.start(task, program.rows, program.algorithm, for_learner),
             novelty=intrinsic.start(program.intrinsic, task, program.rows, for_novelty),
-            place=Place(jnp.full(envs, task.start), jnp.zeros(envs, jnp.int32)),
+            place=Place(begin, jnp.zeros(envs, jnp.int32)),
             key=jax.random.key_data(for_acting),
             updates=jnp.int32(0),
         )
@@ -137,15 +140,24 @@ def advance(task: Task, settings: Settings, lanes: Lane, program: Program) -> tu
         stretch = jax.random.fold_in(jax.random.wrap_key_data(lane.key), lane.updates)
         shape = (program.updates, algorithm.rollout, algorithm.envs)
         draws = jax.random.uniform(stretch, shape)
-        return jax.lax.scan(partial(_update, task, settings, program), lane, draws)
+        several = task.start.ndim > 0
+        picks = jax.random.uniform(jax.random.fold_in(stretch, 1), shape) if several else None
+        return jax.lax.scan(partial(_update, task, settings, program), lane, (draws, picks))
 
     return jax.vmap(one_lane)(settings, lanes)
 
 
+def _first(task: Task, key: PRNGKeyArray, envs: int) -> Int[Array, "E"]:
+    """Where the first episodes begin, if there are several starts."""
+    before = jax.random.fold_in(jax.random.fold_in(key, 0), 2)  # no key of any stretch
+    return task.begin(jax.random.uniform(before, (envs,)))
+
+
 def _update(
-    task: Task, settings: Settings, program: Program, lane: Lane, draws: Float[Array, "T E"]
+    task: Task, settings: Settings, program: Program, lane: Lane, drawn: tuple
 ) -> tuple[Lane, Log]:
     """One rollout, and what is learned from it."""
+    draws, picks = drawn
     taken = lane.updates.astype(jnp.float32) * draws.size
 
     def value(states: Int[Array, "*n"]) -> Float[Array, "*n"]:
@@ -176,6 +188,7 @@ def _update(
         lane.place,
         settings.numbers["episode_limit"],
         draws,
+        picks,
     )
     experience = Experience(
         state=passed.state,

@@ -1,6 +1,7 @@
 """What an agent learned, acted out."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import jax
 import numpy as np
@@ -8,9 +9,9 @@ import numpy as np
 from habilis.learning.algorithms import A2C, PPO, SoftValueIteration
 from habilis.learning.lanes import Program
 from habilis.learning.runs import Run
+from habilis.learning.starts import Begins, ground, success_rate
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
-from habilis.worlds.table import tabulate
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,46 @@ class Episode:
     actions: tuple[int, ...]
     episode_return: float
     finished: bool
+
+
+def table_of(run: Run) -> TabularMDP:
+    """The table that a run learned on."""
+    return ground(run.world, Begins.of(run.config)).mdp
+
+
+class Success(NamedTuple):
+    """The share of placements from which an agent reaches the goal; `None` without any.
+
+    Attributes:
+        seen: of those that training began from.
+        unseen: of those that were held out.
+    """
+
+    seen: float
+    unseen: float | None
+
+
+def success(run: Run, index: int = 0) -> Success:
+    """How often one run's greedy policy reaches the goal, from where it was trained and elsewhere.
+
+    Args:
+        run: what `train` returned, or `load_run`.
+        index: which of its runs, from 0.
+
+    Returns:
+        The shares, each within `episode_limit` actions.
+
+    Raises:
+        ValueError: there is no such run.
+    """
+    _check_index(run, index)
+    mdp, seen, unseen, _ = ground(run.world, Begins.of(run.config))
+    policy = greedy_actions(run, mdp, index)
+    limit = run.config.episode_limit
+    return Success(
+        success_rate(mdp, policy, seen, limit),
+        success_rate(mdp, policy, unseen, limit) if len(unseen) else None,
+    )
 
 
 def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
@@ -87,9 +128,8 @@ def play(run: Run, index: int = 0) -> Episode:
     Raises:
         ValueError: there is no such run.
     """
-    if not 0 <= index < run.config.runs:
-        raise ValueError(f"run is {index}; use 0 to {run.config.runs - 1}")
-    mdp = tabulate(run.world)
+    _check_index(run, index)
+    mdp = table_of(run)
     policy = greedy_actions(run, mdp, index)
     states, actions, total = [mdp.start], [], 0.0
     while True:
@@ -102,3 +142,8 @@ def play(run: Run, index: int = 0) -> Episode:
         if mdp.terminal[reached] or again:
             finished = bool(mdp.terminal[reached])
             return Episode(tuple(states), tuple(actions), total, finished)
+
+
+def _check_index(run: Run, index: int) -> None:
+    if not 0 <= index < run.config.runs:
+        raise ValueError(f"run is {index}; use 0 to {run.config.runs - 1}")

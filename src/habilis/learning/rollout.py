@@ -73,21 +73,26 @@ def rollout(
     place: Place,
     episode_limit: Float[Array, ""],
     draws: Float[Array, "T E"],
+    picks: Float[Array, "T E"] | None = None,
 ) -> tuple[Place, Passed]:
-    """T steps of E environments; ended episodes start anew."""
+    """T steps of E environments; ended episodes start anew.
 
-    def step(place: Place, draw: Float[Array, "E"]) -> tuple[Place, Passed]:
+    The draws decide on actions, the picks on where an episode begins, if there are several starts.
+    """
+
+    def step(place: Place, drawn: tuple) -> tuple[Place, Passed]:
+        draw, pick = drawn
         action, kept = act(place.state, draw)
         transition = place.state * task.actions + action
         reached = task.goes_on[transition]
         steps = place.steps + 1
         truncated = (reached >= 0) & (steps >= episode_limit)
         ended = (reached < 0) | truncated
-        after = Place(jnp.where(ended, task.start, reached), jnp.where(ended, 0, steps))
+        after = Place(jnp.where(ended, task.begin(pick), reached), jnp.where(ended, 0, steps))
         return after, Passed(place.state, transition, truncated, kept)
 
     # A few steps a turn of the compiled loop: its turns cost as much as the small operations in it.
-    return jax.lax.scan(step, place, draws, unroll=min(_TOGETHER, len(draws)))
+    return jax.lax.scan(step, place, (draws, picks), unroll=min(_TOGETHER, len(draws)))
 
 
 def sampled(logits: Float[Array, "E A"], draw: Float[Array, "E"]) -> Int[Array, "E"]:

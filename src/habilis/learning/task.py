@@ -19,7 +19,8 @@ class Task(NamedTuple):
     reward: Float[Array, "S*A"]
     inputs: Int[Array, "S factors"]
     """The rows of the network's embedding that stand for a state."""
-    start: Int[Array, ""]
+    start: Int[Array, "*starts"]
+    """Where episodes begin: one state, or any of several."""
 
     @property
     def states(self) -> int:
@@ -29,12 +30,21 @@ class Task(NamedTuple):
     def actions(self) -> int:
         return self.next_state.shape[0] // self.states
 
+    def begin(self, draw: Float[Array, "*n"] | None) -> Int[Array, "*n"]:
+        """Where episodes begin, given a uniform number for each; the one start needs none."""
+        if draw is None:
+            return self.start
+        place = (draw * len(self.start)).astype(jnp.int32)
+        return self.start[jnp.minimum(place, len(self.start) - 1)]
+
     def terminated(self, transition: Int[Array, "*n"]) -> Bool[Array, "*n"]:
         return self.goes_on[transition] < 0
 
 
-def make_task(mdp: TabularMDP) -> tuple[Task, int]:
+def make_task(mdp: TabularMDP, starts: Int[np.ndarray, "starts"] | None = None) -> tuple[Task, int]:
     """The table as arrays on the device, and how many rows its inputs name.
+
+    Episodes begin in any of `starts`, or in the table's own.
 
     A state is shown to the network by its factors; without factors, by its index.
     """
@@ -50,6 +60,6 @@ def make_task(mdp: TabularMDP) -> tuple[Task, int]:
         goes_on=jnp.asarray(np.where(mdp.terminal[reached], -1, reached), jnp.int32),
         reward=jnp.asarray(mdp.reward.reshape(-1)),
         inputs=jnp.asarray(np.stack(inputs, axis=1), jnp.int32),
-        start=jnp.int32(mdp.start),
+        start=jnp.int32(mdp.start) if starts is None else jnp.asarray(starts, jnp.int32),
     )
     return task, rows

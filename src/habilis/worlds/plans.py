@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int64
 
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World
@@ -63,6 +64,28 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
             return _trace(mdp, came_from, start, int(done[0]))
         frontier = reached
     return None
+
+
+def distances(mdp: TabularMDP) -> Int64[np.ndarray, "S"]:
+    """How many actions the nearest terminal state is away, from every state.
+
+    Args:
+        mdp: a deterministic table.
+
+    Returns:
+        int64[S]; 0 for terminal states, -1 where none can be reached.
+    """
+    far = np.where(mdp.terminal, 0, -1)
+    left = np.flatnonzero(far < 0)
+    step = 0
+    while len(left):
+        near = (far[mdp.next_state[left]] == step).any(axis=1)
+        if not near.any():
+            break
+        step += 1
+        far[left[near]] = step
+        left = left[~near]
+    return far
 
 
 def check_certain(world: World) -> World:

@@ -1,8 +1,9 @@
 """The things of a world that holds several: tools and objects of various kinds."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Any
 
-from habilis.worlds.own_tools import tool_named
+from habilis.worlds.own_tools import is_in_file, is_own, located, tool_named
 from habilis.worlds.tools import Tool
 
 Cell = tuple[int, int]
@@ -56,13 +57,35 @@ class PlacedTool:
         kind: a built-in one's, or where one's own is, as "mytools.py:Rake".
         cell: where it lies.
         slip: the probability that what it does to objects fails.
+        own: a tool of one's own; found by its kind, unless it is given.
     """
 
     name: str
     kind: str
     cell: Cell
     slip: float = 0.0
+    own: Tool | None = field(default=None, repr=False, hash=False)
+
+    def __post_init__(self) -> None:
+        """Finds one's own tool: what it does stays the same, whatever becomes of its file."""
+        if self.own is None and is_own(self.kind):
+            object.__setattr__(self, "own", tool_named(self.kind))
 
     @property
     def rule(self) -> Tool:
-        return tool_named(self.kind)
+        return tool_named(self.kind) if self.own is None else self.own
+
+    def located(self) -> "PlacedTool":
+        """The same, its file named so that it is found from any folder."""
+        return self if self.own is None else replace(self, kind=located(self.kind))
+
+    def __reduce__(self) -> Any:
+        """A file with a tool is run anew elsewhere: its module cannot be imported by name."""
+        values = self.name, self.kind, self.cell, self.slip
+        if self.own is None or not is_in_file(self.kind):
+            return PlacedTool, (*values, self.own)
+        return _placed_tool, (*values, located(self.kind))
+
+
+def _placed_tool(name: str, kind: str, cell: Cell, slip: float, place: str) -> PlacedTool:
+    return PlacedTool(name, kind, cell, slip, tool_named(place))

@@ -110,6 +110,24 @@ class World:
         """
         return cls(**parsed(text, name, folder))
 
+    @classmethod
+    def read_back(cls, text: str, name: str, tool: str) -> "World":
+        """A world from its own `text`, which does not say what "none" took the place of.
+
+        Args:
+            text: what `text` gave.
+            name: what it is called.
+            tool: its `tool`.
+
+        Returns:
+            The same world.
+
+        Raises:
+            ValueError: as in `parse` and `with_tool`.
+        """
+        world = cls.parse(text, name)
+        return world if world.several else world.with_tool(tool)
+
     def with_tool(self, tool: str | Tool | type) -> "World":
         """The same map with another tool in the place of its own ("none" leaves plain floor).
 
@@ -170,9 +188,10 @@ class World:
         if self.tool == NO_TOOL or self.tool_cell is None:
             return self.more_tools
         kinds = [self.tool, *(tool.kind for tool in self.more_tools)]
-        return PlacedTool(numbered(kinds)[0], self.tool, self.tool_cell, self.tool_slip), *(
-            self.more_tools
-        )
+        own = None if self.own is None else self.own[1]
+        name = numbered(kinds)[0]
+        first = PlacedTool(name, self.tool, self.tool_cell, self.tool_slip, own)
+        return first, *self.more_tools
 
     @property
     def objects(self) -> tuple[PlacedObject, ...]:
@@ -204,11 +223,17 @@ class World:
         return None if self.tool == NO_TOOL else tool_named(self.tool)
 
     def located(self) -> "World":
-        """The same world, its tool's file named so that it is found from any folder."""
+        """The same world, its tools' files named so that they are found from any folder."""
+        others = tuple(tool.located() for tool in self.more_tools)
         if self.own is None:
-            return self
+            return replace(self, more_tools=others)
         name = located(self.tool)
-        return replace(self, tool=name, own=(name, self.own[1]))
+        return replace(self, tool=name, own=(name, self.own[1]), more_tools=others)
+
+    @property
+    def own_tools(self) -> tuple[str, ...]:
+        """The kinds of those tools that are one's own."""
+        return tuple(tool.kind for tool in self.tools if is_own(tool.kind))
 
     def __reduce__(self) -> Any:
         """A file with a tool is run anew elsewhere: its module cannot be imported by name."""
