@@ -47,9 +47,9 @@ def futures_figure(
     draw_scale(heat, "% of choices", cax=axes(_GAP + map_width + 12, 16))
     bars = axes(width - _BARS - _GAP + 110, _BARS - 110)
     _draw_sequences(bars, mdp, found)
-    horizon = found.sequences.shape[1]
+    horizon, name = found.sequences.shape[1], thing.rpartition(":")[2]
     figure.suptitle(
-        f"where the {thing.rpartition(':')[2]} could be after {horizon} actions: "
+        f"where the {name} could be after {horizon} actions: "
         f"{found.empowerment:.3f} {found.unit}, {len(found.observations)} cells",
         fontsize=11,
     )

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
 from habilis.worlds.described import actions_of, describe
-from habilis.worlds.interning import Interned
 from habilis.worlds.placements import WANTED, Keys, Packing, Placement, places_of
 from habilis.worlds.rules import Grid, Kinds, successor, taken_up
 from habilis.worlds.world import World
@@ -51,6 +50,9 @@ def reachable(
         >>> mdp.states
         3
     """
+    # Numba takes as long to import as everything else together: only who needs it pays.
+    from habilis.worlds.interning import Interned
+
     grid = Grid.of(world)
     packing = Packing.of(world, grid)
     asked = packing.packed(places_of(world, grid, _listed(placements)))
