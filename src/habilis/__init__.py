@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from habilis.empowerment.landscape import Landscape as Landscape
     from habilis.empowerment.landscape import landscape as landscape
     from habilis.empowerment.landscape_picture import draw_landscapes as draw_landscapes
+    from habilis.empowerment.lasting import persistence as persistence
     from habilis.empowerment.tables import save_table as save_table
     from habilis.empowerment.tables import to_dataframe as to_dataframe
     from habilis.envs.reward import EmpowermentReward as EmpowermentReward
@@ -55,6 +56,7 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
     "empowerment",
     "landscape",
     "load_world",
+    "persistence",
     "placement",
     "save_film",
     "save_table",
@@ -68,6 +70,7 @@ _LAZY = {  # imported on first use: by name, the module, and the extra that it n
     "Landscape": ("habilis.empowerment.landscape", None),
     "draw_landscapes": ("habilis.empowerment.landscape_picture", None),
     "landscape": ("habilis.empowerment.landscape", None),
+    "persistence": ("habilis.empowerment.lasting", None),
     "save_film": ("habilis.worlds.films", None),
     "save_table": ("habilis.empowerment.tables", None),
     "to_dataframe": ("habilis.empowerment.tables", None),
