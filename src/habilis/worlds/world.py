@@ -109,12 +109,12 @@ class World:
         """
         return cls(**parsed(text, name, folder))
 
-    def with_tool(self, tool: str | Tool | type) -> "World":
+    def with_tool(self, tool: str | Tool | type | PlacedTool) -> "World":
         """The same map with another tool in the place of its own ("none" leaves plain floor).
 
         Args:
-            tool: the name of one (of one's own: "mytools.py:Rake" or "package.module:Rake"), or
-                the tool itself or its class.
+            tool: the name of one (of one's own: "mytools.py:Rake" or "package.module:Rake"), the
+                tool itself or its class, or one of the world's `tools`, which then is alone.
 
         Returns:
             Another world; this one stays as it is.
@@ -122,6 +122,14 @@ class World:
         Raises:
             ValueError: no such tool, or the map has no cell marked for a tool.
         """
+        if isinstance(tool, PlacedTool):
+            return replace(
+                self.with_tool(NO_TOOL),
+                tool=tool.kind,
+                own=self.own,
+                tool_cell=tool.cell,
+                tool_slip=tool.slip,
+            )
         if not isinstance(tool, str):
             tool = as_tool(tool)
             name = name_of(tool)
