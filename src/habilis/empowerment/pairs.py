@@ -221,7 +221,7 @@ def pairs(
         averages=np.array([[one.averages for one in row] for row in found]).transpose(2, 0, 1),
         **values,
         unit=options.get("unit", "bits"),
-        title=f"{world.name}: average {horizon}-step object empowerment",
+        title=f"{world.name}: average object empowerment",
     )
 
 

@@ -15,7 +15,7 @@ _CELL, _ROW, _PANEL, _LEAST = 84, 46, 250, 330  # pixels: width and height of ce
 _NAMES, _AROUND = 100, 110  # beside and around the cells
 _MARKERS = "os^Dv<>"
 _DASHES = ("-", "--", "-.")
-_BARE = "#5b6270"
+_BARE, _DOTTED = "#5b6270", ":"
 
 
 def pairs_figure(found: Pairs) -> Figure:
@@ -68,10 +68,11 @@ def _draw_curves(ax: Axes, found: Pairs, place: int) -> None:
         ax.plot(
             horizons,
             found.averages[:, row, place],
-            _BARE_STYLE if tool == NO_TOOL else _DASHES[row // len(COLOURS) % len(_DASHES)],
+            _DOTTED if tool == NO_TOOL else _DASHES[row // len(COLOURS) % len(_DASHES)],
             color=_BARE if tool == NO_TOOL else COLOURS[row % len(COLOURS)],
             marker="" if tool == NO_TOOL else _MARKERS[row % len(_MARKERS)],
-            markersize=4,
+            markersize=6,
+            markerfacecolor="none",  # where curves coincide, the marks of all are seen
             linewidth=1.4,
             label=tool,
         )
@@ -80,6 +81,3 @@ def _draw_curves(ax: Axes, found: Pairs, place: int) -> None:
     ax.set_xlabel("h, actions")
     ax.set_title(found.objects[place], fontsize=10)
     ax.spines[["top", "right"]].set_visible(False)
-
-
-_BARE_STYLE = ":"
