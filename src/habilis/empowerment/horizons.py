@@ -58,8 +58,7 @@ def empowerment_by_horizon(
         asked = range(horizon, -1, -1)  # the largest first: what takes too long is refused at once
         found = [empowerment(mdp, h, sensor, actions, states, **options) for h in asked]
         return np.stack(found[::-1])
-    # What is wrong with any argument is said once, there; no actions take no time.
-    empowerment(mdp, 0, sensor, actions, states, **options)
+    empowerment(mdp, 0, sensor, actions, [], **options)  # says what is wrong with any option
     from habilis.empowerment.counting import sets_backward, sizes
 
     starts = chosen_states(mdp, states)
