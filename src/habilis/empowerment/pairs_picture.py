@@ -11,8 +11,8 @@ from habilis.worlds.heat import HEAT, inks, scale_of
 from habilis.worlds.pictures import new_figure
 from habilis.worlds.world import NO_TOOL
 
-_CELL, _ROW, _PANEL, _LEAST = 84, 46, 250, 330  # pixels: width and height of cells, panels, all
-_NAMES, _AROUND = 100, 110  # beside and around the cells
+_CELL, _ROW, _PANEL, _LOWEST = 84, 46, 220, 220  # pixels: cells, panels
+_LETTER, _KEY, _GAP, _AXIS, _HEAD, _FOOT = 8, 52, 18, 62, 56, 48  # pixels: around them
 _MARKERS = "os^Dv<>"
 _DASHES = ("-", "--", "-.")
 _BARE, _DOTTED = "#5b6270", ":"
@@ -28,19 +28,27 @@ def pairs_figure(found: Pairs) -> Figure:
         The figure; `worlds.pictures.save_figure` writes it.
     """
     tools, objects = len(found.tools), len(found.objects)
-    widths = [_NAMES + _CELL * objects, *([_PANEL] * objects)]
-    height = max(_LEAST, _ROW * tools + _AROUND)
-    figure = new_figure(sum(widths) + _AROUND, height)
-    figure.set_layout_engine("constrained", w_pad=0.08)
-    axes = np.atleast_1d(figure.subplots(1, 1 + objects, width_ratios=widths))
-    _draw_matrix(axes[0], found)
-    for place, ax in enumerate(axes[1:]):
+    names = _LETTER * max(map(len, found.tools))
+    cell = max(_CELL, _LETTER * max(map(len, found.objects)) + _GAP)
+    high = max(_LOWEST, _ROW * tools)
+    first = _GAP + names + cell * objects + _AXIS
+    width = first + (_PANEL + _GAP) * objects + _KEY + names
+    height = _HEAD + high + _FOOT
+    figure = new_figure(width, height)
+
+    def axes(left: int, across: int) -> Axes:  # in whole pixels: any layout engine rounds otherwise
+        place = left / width, _FOOT / height, across / width, high / height
+        return figure.add_axes(place)
+
+    _draw_matrix(axes(_GAP + names, cell * objects), found)
+    panels = [axes(first + (_PANEL + _GAP) * place, _PANEL) for place in range(objects)]
+    for place, ax in enumerate(panels):
         _draw_curves(ax, found, place)
-        ax.sharey(axes[1])
-        ax.set_ylabel(f"{found.unit} on average" if place == 0 else "")
+        ax.sharey(panels[0])
         ax.tick_params(labelleft=place == 0)
-    figure.legend(*axes[1].get_legend_handles_labels(), loc="outside right center", frameon=False)
-    figure.suptitle(found.title, fontsize=11)
+    panels[0].set_ylabel(f"{found.unit} on average")
+    panels[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+    figure.text(_GAP / width, 1 - 16 / height, found.title, fontsize=11, va="center")
     return figure
 
 
