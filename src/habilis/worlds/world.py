@@ -30,6 +30,10 @@ class World:
             another tool can take its place; `None` if the map never had one.
         own: a tool of one's own and the name it goes by, `tool`. It is found by that name, unless
             it is given by `with_tool`; under another name it is dropped.
+        object_kind: the kind of the object ("can", "ball", "crate").
+        tool_slip: the probability that what the tool does to objects fails.
+        more_tools, more_objects: the others of a map with several; `tools` and `objects` are all.
+        drop: whether there is a ninth action, which puts the tool in hand down.
     """
 
     name: str
