@@ -87,6 +87,7 @@ def test_slipping_actions_make_every_pair_less_reliable():
 def test_where_things_start_and_whether_tools_can_be_put_down_makes_no_difference():
     above = ABOVE.replace("R = rake", "R = rake\ndrop: true")
     moved = hb.World.parse(above + ".MPKA\n..CR.\n.#..D\n.....\nG....", "room")
+    assert all(moved.with_tool(tool).drop for tool in (moved.tools[0], "rake", Rod()))
     found = pairs(moved, 2)
     alike = pairs(ROOM, 2, found.tools, found.objects)
     assert found.tools != pairs(ROOM, 1).tools

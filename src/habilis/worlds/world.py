@@ -133,12 +133,13 @@ class World:
                 own=self.own,
                 tool_cell=tool.cell,
                 tool_slip=tool.slip,
+                drop=self.drop,
             )
         if not isinstance(tool, str):
             tool = as_tool(tool)
             name = name_of(tool)
             own = (name, tool) if is_own(name) else None
-            return replace(self.with_tool(NO_TOOL), tool=name, own=own)
+            return replace(self.with_tool(NO_TOOL), tool=name, own=own, drop=self.drop)
         there = next((one for one in self.tools if one.kind == tool), None)
         changed: dict[str, Any] = {"tool": tool, "own": None, "tool_slip": 0.0, "more_tools": ()}
         if there is not None:
