@@ -7,6 +7,7 @@ import polars as pl
 import pytest
 
 import habilis as hb
+from habilis.benchmarks.pairs import one_by_one
 from habilis.empowerment.influence import influence_range, latency, reliability
 from habilis.empowerment.lasting import persistence
 from habilis.empowerment.measures import average_empowerment, compare, compared_states
@@ -34,6 +35,10 @@ def test_each_average_is_that_of_the_world_with_that_tool_and_object_alone(found
         pair = ROOM.with_tool(found.tools[row]).with_object(found.objects[column])
         alone = average_empowerment(hb.tabulate(pair), h + 1)
         assert found.averages[h, row, column] == alone
+
+
+def test_the_benchmarks_way_gives_the_same(found):
+    np.testing.assert_array_equal(one_by_one(ROOM, 3), found.averages)
 
 
 def test_each_measure_is_that_of_the_pair_alone(found):
