@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from habilis.empowerment.landscape import Landscape as Landscape
     from habilis.empowerment.landscape import landscape as landscape
     from habilis.empowerment.landscape_picture import draw_landscapes as draw_landscapes
+    from habilis.empowerment.lasting import persistence as persistence
+    from habilis.empowerment.pairs import Pairs as Pairs
+    from habilis.empowerment.pairs import pairs as pairs
     from habilis.empowerment.tables import save_table as save_table
     from habilis.empowerment.tables import to_dataframe as to_dataframe
     from habilis.envs.reward import EmpowermentReward as EmpowermentReward
@@ -45,6 +48,7 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
     "Capacity",
     "ConvergenceWarning",
     "Landscape",
+    "Pairs",
     "Plan",
     "TabularMDP",
     "Tool",
@@ -55,6 +59,8 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
     "empowerment",
     "landscape",
     "load_world",
+    "pairs",
+    "persistence",
     "placement",
     "save_film",
     "save_table",
@@ -66,8 +72,11 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
 
 _LAZY = {  # imported on first use: by name, the module, and the extra that it needs if any
     "Landscape": ("habilis.empowerment.landscape", None),
+    "Pairs": ("habilis.empowerment.pairs", None),
     "draw_landscapes": ("habilis.empowerment.landscape_picture", None),
     "landscape": ("habilis.empowerment.landscape", None),
+    "pairs": ("habilis.empowerment.pairs", None),
+    "persistence": ("habilis.empowerment.lasting", None),
     "save_film": ("habilis.worlds.films", None),
     "save_table": ("habilis.empowerment.tables", None),
     "to_dataframe": ("habilis.empowerment.tables", None),

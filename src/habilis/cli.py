@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import habilis
-from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, parser
+from habilis.cli_arguments import COMPARED, OPTIONS, PREFIX, Args, Verb, parser
 from habilis.cli_learning import plot, sweep, train, watch
 from habilis.cli_output import console, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
@@ -195,8 +195,20 @@ def compare(args: Args) -> int:
     from habilis.empowerment.measures import ranking
     from habilis.empowerment.usefulness import usefulness
 
+    if args.pairs:
+        from habilis.cli_pairs import compare_pairs
+
+        return compare_pairs(args)
+    if args.out:
+        raise ValueError("--out is for what --pairs finds; add --pairs, or leave out --out")
+    if args.horizon is None:
+        raise ValueError("no number of actions; give --horizon, as --horizon 3")
     world = load_world(args.world)
-    averages = measure(world, args.tools, args.horizon, args.slip, unit=args.unit)
+    if len(world.objects) > 1:
+        named = ", ".join(thing.name for thing in world.objects)
+        raise ValueError(f"{world.name} has several objects, {named}; add --pairs for each of them")
+    tools = COMPARED if args.tools is None else args.tools
+    averages = measure(world, tools, args.horizon, args.slip, unit=args.unit)
     verdicts = {
         tool: usefulness(world.with_tool(tool), args.horizon, args.slip, unit=args.unit)
         for tool in averages

@@ -15,6 +15,9 @@ PREFIX = "gym:"
 OPTIONS = (
     *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
 )
+COMPARED = ("picker", "broom", NO_TOOL)
+"""The tools that are compared where nobody says which."""
+PAIRS_HORIZON = 6
 
 _TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
@@ -99,10 +102,17 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
         "habilis compare yard --tools picker,broom,none --horizon 3",
     )
     v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
-    tools = ["picker", "broom", NO_TOOL]
-    text = f"each {_TOOLS} (default {','.join(tools)})"
-    v.add_argument("--tools", type=_words, default=tools, metavar="A,B,...", help=text)
-    v.add_argument("--horizon", type=int, required=True, help="number of actions")
+    text = f"each {_TOOLS} (default {','.join(COMPARED)})"
+    v.add_argument("--tools", type=_words, metavar="A,B,...", help=text)
+    text = f"number of actions (with --pairs up to so many, by default {PAIRS_HORIZON})"
+    v.add_argument("--horizon", type=int, metavar="H", help=text)
+    text = (
+        "every tool by every object of the map (default of --tools then all of the map, and none)"
+    )
+    v.add_argument("--pairs", action="store_true", help=text)
+    kinds = "of --pairs: picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
+    text = f"{kinds}; again for another"
+    v.add_argument("--out", type=Path, action="append", default=[], metavar="F.png", help=text)
     _slip(v)
     _unit(v)
 

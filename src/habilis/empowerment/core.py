@@ -28,7 +28,7 @@ from habilis.worlds.world import World
 States = ArrayLike | Placement | Sequence[Placement]
 """Indices, bool[S] or, of a world, placements."""
 
-_MOST_PACKED_LABELS = 4096  # above, sets of states cost less than 64 words a state
+MOST_PACKED_LABELS = 4096  # above, sets of states cost less than 64 words a state
 
 Bits = Float64[np.ndarray, "n"]
 Method = Literal["exact", "sampled"]
@@ -212,11 +212,11 @@ def _counted(
     table = mdp.next_state
     if len(actions) < mdp.action_count:
         table = np.ascontiguousarray(table[:, actions])
-    few = label_count <= _MOST_PACKED_LABELS
+    few = label_count <= MOST_PACKED_LABELS
     if few or cells:
         near, place, nearby = slice(None), slice(None), table
         if starts is not None:
-            near, nearby, place = _neighbourhood(table, starts, horizon)
+            near, nearby, place = neighbourhood(table, starts, horizon)
         counts = None
         if isinstance(sensor, str) and mdp.shape is not None and cells:
             counts = _counted_near(nearby, mdp.factor(sensor)[near], mdp.shape, horizon, threads)
@@ -241,7 +241,7 @@ def _counted_near(
     if not worth_a_window(shape):
         return None
     row, column = (part.astype(np.int16) for part in np.divmod(cells, shape[1]))
-    words = min(-(-shape[0] * shape[1] // 64), _MOST_PACKED_LABELS // 64)
+    words = min(-(-shape[0] * shape[1] // 64), MOST_PACKED_LABELS // 64)
     # Shifting a word takes twice as long as uniting two, so half of them must be saved.
     window = window_of(table, row, column, horizon, words // 2, threads)
     if window is None:
@@ -249,7 +249,7 @@ def _counted_near(
     return count_in_window(table, row, column, horizon, window, threads)
 
 
-def _neighbourhood(
+def neighbourhood(
     table: Int32[np.ndarray, "S A"], starts: Int64[np.ndarray, "n"], horizon: int
 ) -> tuple[Int64[np.ndarray, "N"], Int32[np.ndarray, "N A"], Int64[np.ndarray, "n"]]:
     """The part of the table that h actions from the starts can touch.

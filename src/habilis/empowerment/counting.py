@@ -9,6 +9,9 @@ together, one bit a label. With many, each state's set of reachable states is gr
 its labels are counted at the end.
 """
 
+from collections import deque
+from collections.abc import Iterator
+
 import numpy as np
 from jaxtyping import Int32, Int64, UInt64
 from numba import njit
@@ -31,11 +34,32 @@ def count_backward(
     Stops as soon as one more action changes no state's set. Memory: two sets of ceil(labels / 64)
     words of 8 bytes a state.
     """
+    grown = sets_backward(next_state, labels, label_count, horizon, threads)
+    return sizes(deque(grown, maxlen=1).pop())
+
+
+def sizes(sets: UInt64[np.ndarray, "n W"]) -> Int64[np.ndarray, "n"]:
+    """How many bits are set in each row."""
+    return np.bitwise_count(sets).sum(axis=1, dtype=np.int64)
+
+
+def sets_backward(
+    next_state: Int32[np.ndarray, "S A"],
+    labels: Int32[np.ndarray, "S"],
+    label_count: int,
+    horizon: int,
+    threads: int = 1,
+) -> Iterator[UInt64[np.ndarray, "S W"]]:
+    """O_0, O_1, ... O_h of every state, a bit a label; fewer if one more action changes none.
+
+    What it gave is written over when it is asked for the next but one.
+    """
     state = np.arange(len(labels))
     sets = np.zeros((len(labels), -(-label_count // _WORD)), np.uint64)
     sets[state, labels // _WORD] = np.uint64(1) << (labels % _WORD).astype(np.uint64)
     spare = np.empty_like(sets)
     operations = sets.shape[1] * next_state.shape[1]
+    yield sets
     for _ in range(horizon):
         before, after = sets, spare
         changed = in_blocks(
@@ -47,7 +71,7 @@ def count_backward(
         if not any(changed):
             break
         sets, spare = after, before
-    return np.bitwise_count(sets).sum(axis=1, dtype=np.int64)
+        yield sets
 
 
 @njit(cache=True, nogil=True)

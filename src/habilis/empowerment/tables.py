@@ -86,12 +86,18 @@ def save_table(table: pl.DataFrame, path: str | Path) -> None:
 def _npz(table: pl.DataFrame, path: Path) -> None:
     content = io.BytesIO()  # first, so that what cannot be said so costs no file that is there
     try:
-        np.savez(content, allow_pickle=False, **{c.name: c.to_numpy() for c in table})
+        np.savez(content, allow_pickle=False, **{c.name: _array(c) for c in table})
     except (TypeError, ValueError) as error:
         raise ValueError(
             f"{path}: .npz cannot have these columns ({error}); use .parquet"
         ) from None
     path.write_bytes(content.getbuffer())
+
+
+def _array(column: pl.Series) -> np.ndarray:
+    """A column; words as NumPy's own, which need no pickle."""
+    words = column.dtype == pl.String and not column.has_nulls()
+    return np.array(column.to_list(), str) if words else column.to_numpy()
 
 
 def _npy(table: pl.DataFrame, path: Path) -> None:

@@ -8,13 +8,12 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter, SymmetricalLogLocator
 
+from habilis.colours import COLOURS
 from habilis.learning.config import Config
 from habilis.learning.curves import SMOOTHING, Curve
 
 DEFAULT = Path("curves.png")
 
-# Colour-blind-safe (Okabe and Ito), the yellow left out: too light for a line on white.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
 # What says nothing without an intrinsic reward.
 _OF_INTRINSIC = ("horizon", "beta", "beta_schedule", "beta_steps", "earned", "terminal_bonus")
 _DASHES = ("-", "--", "-.", ":")

@@ -142,9 +142,9 @@ class _Labels(Artist):
     def texts(self) -> list[Text]:
         assert self.axes is not None
         cells = np.argwhere(np.isfinite(self._values))
-        inks = _inks(self._heat.to_rgba(self._values[tuple(cells.T)]))
+        colours = inks(self._heat.to_rgba(self._values[tuple(cells.T)]))
         texts = []
-        for (row, column), ink in zip(cells.tolist(), inks, strict=True):
+        for (row, column), ink in zip(cells.tolist(), colours, strict=True):
             middle = 0.82 if (row, column) in self._below else 0.5
             value = f"{self._values[row, column]:z.1f}"
             text = Text(column + 0.5, row + middle, value, color=ink)
@@ -166,7 +166,7 @@ def _small(cell: Cell, drawing: Drawing, *, above_label: bool) -> Drawing:
     return placed(SHAPES["plate"] + drawing, column + left, row + top, size)
 
 
-def _inks(backgrounds: Float[np.ndarray, "n rgba"]) -> list[str]:
+def inks(backgrounds: Float[np.ndarray, "n rgba"]) -> list[str]:
     """Black or white, whichever has the higher contrast (as WCAG 2 defines it)."""
     part = backgrounds[:, :3]
     linear = np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)

@@ -30,6 +30,10 @@ class World:
             another tool can take its place; `None` if the map never had one.
         own: a tool of one's own and the name it goes by, `tool`. It is found by that name, unless
             it is given by `with_tool`; under another name it is dropped.
+        object_kind: the kind of the object ("can", "ball", "crate").
+        tool_slip: the probability that what the tool does to objects fails.
+        more_tools, more_objects: the others of a map with several; `tools` and `objects` are all.
+        drop: whether there is a ninth action, which puts the tool in hand down.
     """
 
     name: str
@@ -128,12 +132,12 @@ class World:
         world = cls.parse(text, name)
         return world if world.several else world.with_tool(tool)
 
-    def with_tool(self, tool: str | Tool | type) -> "World":
+    def with_tool(self, tool: str | Tool | type | PlacedTool) -> "World":
         """The same map with another tool in the place of its own ("none" leaves plain floor).
 
         Args:
-            tool: the name of one (of one's own: "mytools.py:Rake" or "package.module:Rake"), or
-                the tool itself or its class.
+            tool: the name of one (of one's own: "mytools.py:Rake" or "package.module:Rake"), the
+                tool itself or its class, or one of the world's `tools`, which then is alone.
 
         Returns:
             Another world; this one stays as it is.
@@ -141,11 +145,20 @@ class World:
         Raises:
             ValueError: no such tool, or the map has no cell marked for a tool.
         """
+        if isinstance(tool, PlacedTool):
+            return replace(
+                self.with_tool(NO_TOOL),
+                tool=tool.kind,
+                own=None if tool.own is None else (tool.kind, tool.own),
+                tool_cell=tool.cell,
+                tool_slip=tool.slip,
+                drop=self.drop,
+            )
         if not isinstance(tool, str):
             tool = as_tool(tool)
             name = name_of(tool)
             own = (name, tool) if is_own(name) else None
-            return replace(self.with_tool(NO_TOOL), tool=name, own=own)
+            return replace(self.with_tool(NO_TOOL), tool=name, own=own, drop=self.drop)
         there = next((one for one in self.tools if one.kind == tool), None)
         changed: dict[str, Any] = {"tool": tool, "own": None, "tool_slip": 0.0, "more_tools": ()}
         if there is not None:
