@@ -359,17 +359,32 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     assert page.locator("#curves .line").count() == 1
     expect(page.locator(".training")).to_contain_text("of 2 converged")
 
-    page.locator("#intrinsic").select_option("none")
+    # To whom standing near the can is worth more than the goal, it does not converge: this one ends
+    # after ten times a hundred million steps, or when it is stopped.
+    page.locator("#beta").fill("10")
+    page.locator("#runs").fill("10")
     page.locator("#episodes").fill("100000")
     page.locator("#start").click()
-    expect(page.locator("#curves .line")).to_have_count(2)
+    curve = page.locator("#curves .line.k1")
+    expect(curve).to_have_count(1)
+    paths = [curve.get_attribute("d")]
+    for _ in range(2):
+        expect(curve).not_to_have_attribute("d", paths[-1] or "")
+        paths.append(curve.get_attribute("d"))
     assert watch.count() == 1  # the second still trains, and both are drawn
+    assert page.locator("#curves .line").count() == 2
+    assert page.locator("#start").is_disabled()
     page.locator("#stop").click()
     expect(watch).to_have_count(2)
+    expect(page.locator(".training").first).to_contain_text("stopped after")
+    assert page.locator("#start").is_enabled()
     keep_picture(page, "train")
 
-    watch.last.click()
+    watch.first.click()
     told = page.locator("#run-told")
+    expect(told).to_contain_text("step")
+    page.locator("#tab-train").click()
+    watch.last.click()
     expect(told).to_contain_text("step")
     expect(page.locator("#action-bars li")).to_have_count(8)
     shares = [int(text.split()[0]) for text in page.locator("#action-bars .bits").all_inner_texts()]
