@@ -348,6 +348,15 @@ def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
         keep_picture(page, f"{view}-{size[0]}")
 
 
+def test_a_tablet_held_upright_is_filled(page: Page):
+    page.set_viewport_size({"width": 810, "height": 1080})
+    for view in ("play", "train"):
+        page.locator(f"#tab-{view}").click()
+        box = page.locator(f".{view}").bounding_box()
+        assert box is not None
+        assert box["y"] + box["height"] > 0.9 * 1080
+
+
 def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: Page):
     pytest.importorskip("jax")
     page.locator("#tab-train").click()
