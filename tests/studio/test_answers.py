@@ -54,6 +54,24 @@ def test_a_landscape_is_the_librarys(there, tool, sensor, horizon):
     assert (answer["least"], answer["most"]) == (np.nanmin(wanted), np.nanmax(wanted))
 
 
+@pytest.mark.parametrize("tool", ["picker", "none"])
+def test_a_landscape_may_be_asked_for_alone_and_with_things_elsewhere(there, tool):
+    world = WALLED.with_tool(tool)
+    asked = scene(world, sensor="object", horizon=3)
+    at = {"agent": [3, 4], "tool": [3, 3] if tool != "none" else None, "object": [0, 2]}
+    alone = there.send("landscape", scene=asked)
+    assert "landscape" in next(there.answers(alone))
+    elsewhere = there.send("landscape", scene=asked, placement=at)
+    answer = there.receive()  # the first of them has said all there was to say
+    assert answer["id"] == elsewhere
+    moved = replace(world, agent=(3, 4), object=(0, 2), tool_cell=(3, 3))
+    wanted = hb.landscape(moved, 3, "object").values
+    assert np.array_equal(values(answer), wanted, equal_nan=True)
+    at["object"] = [1, 1]
+    refusal = there.ask("landscape", scene=asked, placement=at)["error"]
+    assert "the can is at (1, 1); put it on a free cell" in refusal
+
+
 @pytest.mark.parametrize(("actions", "indices"), [("moves", range(4)), ("tool", range(4, 8))])
 def test_actions_are_those_that_are_chosen(there, actions, indices):
     world = hb.load_world("corridor")

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from playwright.sync_api import (
     Browser,
@@ -31,9 +32,10 @@ from studio_page import (
 )
 
 from habilis.empowerment.futures import futures
+from habilis.empowerment.landscape import landscape
 from habilis.empowerment.measures import compare
 from habilis.worlds.plans import solve
-from habilis.worlds.table import tabulate
+from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import World, load_world
 
 pytestmark = pytest.mark.skipif(
@@ -306,6 +308,42 @@ def test_the_bits_of_play_are_those_of_the_state(page: Page):
     world = load_world("corridor")
     start = true_bits(world, 3)[world.agent]
     expect(page.locator("#bits-now")).to_have_text(f"{start:.2f}")
+
+
+def test_the_bits_of_every_cell_are_shown_over_the_game_as_it_is_now(page: Page):
+    page.locator("#tab-play").click()
+    shown = page.locator("#play-board .labels text")
+    expect(shown).to_have_count(0)
+    page.get_by_role("switch", name="Bits").check()
+    world = YARD
+    for keys in ((), ("ArrowDown", "ArrowDown", "ArrowRight")):
+        for key in keys:
+            page.keyboard.press(key)
+            world = acted(world, KEYS.index(key))
+        expect(page.locator("#play-state")).to_contain_text(f"{len(keys)} step")
+        page.wait_for_selector("#play-board:not(.waiting)")
+        wanted = landscape(world, 3, "object").values
+        wanted = [f"{bits:.1f}" for bits in wanted[np.isfinite(wanted)]]
+        assert shown.all_text_contents() == wanted
+    keep_picture(page, "play-bits")
+    page.keyboard.press("b")
+    expect(shown).to_have_count(0)
+
+
+def acted(world: World, action: int) -> World:
+    """A world after an action."""
+    mdp = tabulate(world)
+    return placement(world, mdp, int(mdp.next_state[mdp.start, action]))
+
+
+def test_a_click_beside_the_agent_moves_it_there(page: Page):
+    page.locator("#tab-play").click()
+    row, column = YARD.agent
+    page.mouse.click(*middle(page, "#play-board", (row, column + 1)))
+    expect(page.locator("#play-state")).to_contain_text("1 step")
+    page.mouse.click(*middle(page, "#play-board", (row, column + 3)))  # too far
+    page.mouse.click(*middle(page, "#play-board", (row, column)))
+    expect(page.locator("#play-state")).to_contain_text("2 steps")
 
 
 def test_show_me_acts_out_a_shortest_plan(page: Page):

@@ -64,17 +64,25 @@ class Pools:
 async def measure(pools: Pools, tools: tuple[str, ...], client: Client, request: Request) -> None:
     """The landscape as soon as it is there, then the tools' averages one by one."""
     scene = _scene(request)
+    await _landscape(pools, client, request.id, scene)
+    await _averages(pools, tools, client, request.id, scene)
+
+
+async def landscape(pools: Pools, client: Client, request: Request) -> None:
+    """The landscape alone, perhaps with things elsewhere than on the map."""
+    scene, at = _scene(request), request.values.get("placement")
+    await _landscape(pools, client, request.id, scene if at is None else scene.with_things(at))
+
+
+async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) -> None:
     began = time.perf_counter()
     if scene.slip:
-        bits = await _stretches(pools, client, request.id, scene)
+        bits = await _stretches(pools, client, number, scene)
     else:
         bits = (await client.step(pools.quick, "landscape", scene=scene))["bits"]
     seconds = time.perf_counter() - began
     least, most = (min(bits), max(bits)) if bits else (None, None)
-    await client.tell(
-        request.id, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds
-    )
-    await _averages(pools, tools, client, request.id, scene)
+    await client.tell(number, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds)
 
 
 async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) -> list[float]:
@@ -136,7 +144,8 @@ async def step(pools: Pools, client: Client, request: Request) -> None:
     await client.tell(request.id, **found)
 
 
-ONE_STEP: dict[str, Callable[[Pools, Client, Request], Coroutine[Any, Any, None]]] = {
+ANSWERS: dict[str, Callable[[Pools, Client, Request], Coroutine[Any, Any, None]]] = {
+    "landscape": landscape,
     "futures": futures,
     "solve": solve,
     "step": step,

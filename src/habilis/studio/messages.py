@@ -12,6 +12,9 @@ measure  scene
          landscape (rows of bits, null where the agent cannot be), least, most, seconds; then, tool
          by tool, averages {tool: bits or null} and verdicts {tool: {useful, better_than_none}},
          and `why` where an average is null
+landscape  scene, perhaps placement {agent, tool, object} (of things that are elsewhere than on the
+         map)
+         landscape, least, most, seconds, as above, and nothing else
 futures  scene, agent [row, column]
          bits, gap, things [[row, column, probability]] of what is sensed (through the sensor
          "state": of the can), elsewhere (the probability of other cells), count of observations
@@ -46,6 +49,7 @@ _LONGEST_ERROR = 400
 
 _FIELDS = {  # of each request: what it must have, and what it may have
     "measure": (("scene",), ()),
+    "landscape": (("scene",), ("placement",)),
     "futures": (("scene", "agent"), ()),
     "solve": (("scene",), ()),
     "step": (("scene", "placement", "action"), ()),

@@ -108,7 +108,7 @@ class Studio:
         elif request.do == "run":
             work = learning.run(pools, trainings, self.run, client, request)
         else:
-            work = answering.ONE_STEP[request.do](pools, client, request)
+            work = answering.ANSWERS[request.do](pools, client, request)
         await client.ask(request.do, request.id, work)
 
 

@@ -71,11 +71,14 @@ export interface Verdict {
   better_than_none: boolean;
 }
 
-export interface MeasureAnswer extends Common {
+export interface LandscapeAnswer extends Common {
   landscape?: Grid;
   least?: number | null;
   most?: number | null;
   seconds?: number;
+}
+
+export interface MeasureAnswer extends LandscapeAnswer {
   /** Null where it takes too long; then `why` says so. */
   averages?: Record<string, number | null>;
   why?: string;

@@ -7,7 +7,8 @@ import { cellOf } from "../core/scene";
 import { parseMap } from "../core/world";
 import { createBoard } from "../draw/board";
 import { createChart } from "../draw/chart";
-import { GRADIENT, scaleOf } from "../draw/heat";
+import { scaleOf } from "../draw/heat";
+import { createScaleBar } from "../draw/scale";
 import { rowColumn } from "../design/editor";
 import { button, card, rename, segmented, select, slider } from "../frame/widgets";
 
@@ -21,10 +22,7 @@ export function createRun({ hello, connection, acted }: App): View {
   const told = h("p", { class: "quiet", id: "run-told", "aria-live": "polite" });
   const bars = h("ul", { class: "bars actions", id: "action-bars" });
   const index = h("span", { class: "run-index" });
-  const [low, high] = [h("span"), h("span")];
-  const bar = h("span", { class: "scale-bar" });
-  bar.style.background = GRADIENT;
-  const scale = h("div", { class: "scale" }, low, bar, high, h("span", { class: "scale-name" }, "value, with tool and can as they start"));
+  const scale = createScaleBar("value, with tool and can as they start", 1);
   let answer: RunAnswer | null = null;
   let shown: keyof typeof SHOWN = "both";
   let step = 0;
@@ -90,7 +88,7 @@ export function createRun({ hello, connection, acted }: App): View {
     const { world } = parseMap(about.map);
     const placement = answer.episode.placements[step]!;
     const values = answer.values?.flat().filter((value) => value !== null) ?? [];
-    const ends = scaleOf(Math.min(...values), Math.max(...values));
+    const [least, most] = [Math.min(...values), Math.max(...values)];
     const withValues = shown !== "policy" && values.length > 0;
     board.draw({
       height: world.height,
@@ -100,16 +98,13 @@ export function createRun({ hello, connection, acted }: App): View {
       things: about.tool === "none" ? { ...placement, tool: null } : placement,
       tool: about.tool,
       values: withValues
-        ? { grid: answer.values!, scale: ends, unlabelled: shown === "both" }
+        ? { grid: answer.values!, scale: scaleOf(least, most), unlabelled: shown === "both" }
         : null,
       arrows: shown === "values" ? null : (answer.policy?.cells ?? null),
       now: step < last() ? (answer.policy?.episode[step] ?? null) : null,
       label: rowColumn,
     });
-    scale.hidden = !withValues;
-    [low.textContent, high.textContent] = [ends.low, ends.high].map((end) =>
-      end.toFixed(1).replace("-", "−"),
-    ) as [string, string];
+    scale.show(withValues ? { least, most } : null);
     steps.show(step);
     drawBars(answer.policy?.episode[step] ?? null, answer.episode.actions[step]);
     const length = answer.episode.actions.length;
@@ -155,7 +150,7 @@ export function createRun({ hello, connection, acted }: App): View {
       "world",
       h("div", { class: "card-head" }, title, index),
       board.element,
-      scale,
+      scale.element,
       h("div", { class: "card-foot" }, play, layers.element),
       steps.element,
     ),
