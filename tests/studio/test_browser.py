@@ -379,6 +379,23 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     keep_picture(page, "run")
 
 
+def test_a_training_that_is_kept_goes_by_the_name_of_its_folder(browser: Browser, tmp_path: Path):
+    pytest.importorskip("jax")
+    with served("--out", str(tmp_path / "kept")) as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        page.locator("#tab-train").click()
+        expect(page.locator("#kept")).to_contain_text(str(tmp_path / "kept"))
+        page.locator("#runs").fill("1")
+        page.locator("#episodes").fill("100")
+        page.locator("#start").click()
+        expect(page.get_by_role("button", name="Watch")).to_have_count(1)
+        (folder,) = (path for path in (tmp_path / "kept").iterdir() if path.is_dir())
+        expect(page.locator(".training .name")).to_contain_text(folder.name)
+        keep_picture(page, "train-kept")
+        page.close()
+
+
 def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
     pytest.importorskip("jax")
     page.locator("#tab-train").click()
