@@ -5,18 +5,18 @@ INSTALLED := .venv/installed
 APART := .venv-integration
 
 .PHONY: test test-browser test-integration paper quick multiverse check format docs calibrate reconstruct \
-	bench bench-sb3 page clean
+	bench bench-sb3 page studio-picture clean
 
 # Side by side on all processors, the tests of a file together.
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-# With torch, Stable-Baselines3 and gymnax, in an environment of their own.
 # The studio's page in Debian's Chromium (apt-get install chromium), and that its build is up to date.
 test-browser: $(INSTALLED)
 	npm --prefix studio ci --silent
 	HABILIS_BROWSER=1 $(BIN)/python -m pytest tests/studio
 
+# With torch, Stable-Baselines3 and gymnax, in an environment of their own.
 test-integration: $(APART)/installed
 	$(APART)/bin/python -m pytest tests/integration tests/envs/test_functional.py
 
@@ -57,6 +57,10 @@ reconstruct: $(INSTALLED)
 page:
 	npm --prefix studio ci
 	npm --prefix studio run build
+
+# The picture of the studio in README.md, taken in Debian's Chromium.
+studio-picture: $(INSTALLED)
+	PYTHONPATH=tests/support $(BIN)/python tests/support/studio_picture.py docs/studio.png
 
 bench: $(INSTALLED)
 	$(BIN)/habilis bench

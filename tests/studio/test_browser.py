@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import pytest
 from playwright.sync_api import (
     Browser,
@@ -29,6 +30,7 @@ from studio_page import (
     shown_bits,
     true_bits,
 )
+from studio_picture import take
 
 from habilis.empowerment.futures import futures
 from habilis.empowerment.measures import compare
@@ -41,7 +43,9 @@ pytestmark = pytest.mark.skipif(
     reason="make test-browser runs these, with Debian's chromium",
 )
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+LARGEST_PICTURE = 150_000  # bytes
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
 SIZE: ViewportSize = {"width": 1280, "height": 720}
@@ -225,6 +229,16 @@ def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
     keep_picture(page, "design-futures")
     page.mouse.move(5, 5)
     expect(marks).to_have_count(0)
+
+
+def test_the_picture_of_the_readme_is_taken_by_a_command(browser: Browser, tmp_path: Path):
+    take(browser, tmp_path / "studio.png")
+    for path in (tmp_path / "studio.png", ROOT / "docs" / "studio.png"):
+        taken = plt.imread(path)
+        assert taken.shape[:2] == (664, 1280)
+        red, green, blue = taken[526, 663, :3]  # below the can: a mark, where else is yellow
+        assert red > 2 * green > 4 * blue
+        assert path.stat().st_size < LARGEST_PICTURE
 
 
 def test_built_in_worlds_and_map_text(page: Page):
