@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from playwright.sync_api import (
@@ -29,6 +30,7 @@ from studio_page import (
     shown_bits,
     true_bits,
 )
+from studio_picture import take
 
 from habilis.empowerment.futures import futures
 from habilis.empowerment.measures import compare
@@ -38,7 +40,9 @@ from habilis.worlds.world import World, load_world
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="apt-get install chromium")
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+LARGEST_PICTURE = 150_000  # bytes
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
 SIZE: ViewportSize = {"width": 1280, "height": 720}
@@ -224,6 +228,16 @@ def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
     expect(marks).to_have_count(0)
 
 
+def test_the_picture_of_the_readme_is_taken_by_a_command(browser: Browser, tmp_path: Path):
+    take(browser, tmp_path / "studio.png")
+    for path in (tmp_path / "studio.png", ROOT / "docs" / "studio.png"):
+        taken = plt.imread(path)
+        assert taken.shape[:2] == (664, 1280)
+        red, green, blue = taken[526, 663, :3]  # below the can: a mark, where else is yellow
+        assert red > 2 * green > 4 * blue
+        assert path.stat().st_size < LARGEST_PICTURE
+
+
 def test_built_in_worlds_and_map_text(page: Page):
     page.locator("#worlds").select_option("corridor")
     assert shown_bits(page) == true_bits(load_world("corridor"), 3)
@@ -374,6 +388,23 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     assert page.locator("#run-board .arrows .arrow").count() > 0
     assert page.locator("#run-curve .line").count() == 1
     keep_picture(page, "run")
+
+
+def test_a_training_that_is_kept_goes_by_the_name_of_its_folder(browser: Browser, tmp_path: Path):
+    pytest.importorskip("jax")
+    with served("--out", str(tmp_path / "kept")) as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        page.locator("#tab-train").click()
+        expect(page.locator("#kept")).to_contain_text(str(tmp_path / "kept"))
+        page.locator("#runs").fill("1")
+        page.locator("#episodes").fill("100")
+        page.locator("#start").click()
+        expect(page.get_by_role("button", name="Watch")).to_have_count(1)
+        (folder,) = (path for path in (tmp_path / "kept").iterdir() if path.is_dir())
+        expect(page.locator(".training .name")).to_contain_text(folder.name)
+        keep_picture(page, "train-kept")
+        page.close()
 
 
 def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
