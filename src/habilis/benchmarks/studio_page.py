@@ -1,4 +1,4 @@
-"""The studio in a real browser: from the press of the mouse to the picture that shows its result."""
+"""The studio in a real browser: from the press of the mouse to what is on the screen then."""
 
 import random
 import shutil
