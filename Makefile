@@ -4,19 +4,19 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-browser test-integration paper quick multiverse check format docs calibrate reconstruct \
-	bench bench-sb3 page clean
+.PHONY: test test-studio test-integration paper quick multiverse check format docs calibrate reconstruct \
+	bench bench-sb3 page studio-picture clean
 
 # Side by side on all processors, the tests of a file together.
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-# With torch, Stable-Baselines3 and gymnax, in an environment of their own.
-# The studio's page in Debian's Chromium (apt-get install chromium), and that its build is up to date.
-test-browser: $(INSTALLED)
-	npm --prefix studio ci --silent
-	HABILIS_BROWSER=1 $(BIN)/python -m pytest tests/studio
+# The studio alone, its page in Debian's Chromium (apt-get install chromium), and that its build is
+# up to date.
+test-studio: $(INSTALLED) studio/node_modules
+	$(BIN)/python -m pytest tests/studio
 
+# With torch, Stable-Baselines3 and gymnax, in an environment of their own.
 test-integration: $(APART)/installed
 	$(APART)/bin/python -m pytest tests/integration tests/envs/test_functional.py
 
@@ -54,9 +54,16 @@ reconstruct: $(INSTALLED)
 	$(BIN)/habilis reconstruct corridor --count 8 --from corridor --hot 0.3 --out maps
 
 # The studio's page, built into the package from studio/. Needs Node; using it does not.
-page:
-	npm --prefix studio ci
+page: studio/node_modules
 	npm --prefix studio run build
+
+studio/node_modules: studio/package-lock.json
+	npm --prefix studio ci --silent
+	touch $@
+
+# The picture of the studio in README.md, taken in Debian's Chromium.
+studio-picture: $(INSTALLED)
+	PYTHONPATH=tests/support $(BIN)/python tests/support/studio_picture.py docs/studio.png
 
 bench: $(INSTALLED)
 	$(BIN)/habilis bench

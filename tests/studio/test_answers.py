@@ -95,14 +95,14 @@ def test_chosen_cells_are_told_apart_and_all_others_are_one(there):
 
 def test_chance_has_its_part_in_a_landscape(there):
     world = WALLED.with_tool("none")
-    progress = []
+    progress, answer = [], {}
     number = there.send("measure", scene=scene(world, sensor="object", horizon=2, slip=0.2))
     for answer in there.answers(number):
         if "landscape" in answer:
             break
         progress.append(answer["progress"])
     wanted = hb.landscape(world, 2, "object", slip=0.2).values
-    assert np.allclose(values(answer), wanted, atol=1e-6, equal_nan=True)  # pyright: ignore
+    assert np.allclose(values(answer), wanted, atol=1e-6, equal_nan=True)
     assert progress == sorted(progress)
     assert progress[-1] == 1
 
@@ -171,15 +171,12 @@ def test_the_shortest_plan_is_the_librarys_and_stepping_through_it_ends_at_the_g
     world = hb.load_world("corridor")
     asked = scene(world, sensor="object", horizon=3)
     plan, wanted = there.ask("solve", scene=asked), hb.solve(hb.tabulate(world))
-    assert (plan["steps"], plan["actions"]) == (wanted.steps, list(wanted.actions))  # pyright: ignore
+    assert wanted is not None
+    assert (plan["steps"], plan["actions"]) == (wanted.steps, list(wanted.actions))
     mdp, now = hb.tabulate(world), plan["placements"][0]
     bits = hb.empowerment(mdp, 3, "object")
-    for action, state, then in zip(
-        plan["actions"],
-        wanted.states[1:],  # pyright: ignore
-        plan["placements"][1:],
-        strict=True,  # pyright: ignore
-    ):
+    then_all = plan["placements"][1:]
+    for action, state, then in zip(plan["actions"], wanted.states[1:], then_all, strict=True):
         answer = there.ask("step", scene=asked, placement=now, action=action)
         now = answer["placement"]
         assert now == then

@@ -19,7 +19,8 @@ COMMAND = [sys.executable, "-m", "habilis.cli", "studio", "--no-browser"]
 @pytest.mark.parametrize("busy", [False, True])
 def test_it_prints_its_address_serves_and_ends_when_told_to(number, busy):
     with subprocess.Popen(COMMAND, stdout=-1, stderr=-1, text=True) as process:
-        line = process.stdout.readline()  # pyright: ignore
+        assert process.stdout is not None
+        line = process.stdout.readline()
         address = next(word for word in line.split() if word.startswith("http://127.0.0.1:"))
         with urllib.request.urlopen(address) as answer:
             assert answer.status == 200
@@ -40,7 +41,9 @@ def test_several_can_run_side_by_side_on_ports_that_are_free():
         subprocess.Popen(COMMAND, stdout=-1, text=True) as one,
         subprocess.Popen(COMMAND, stdout=-1, text=True) as other,
     ):
-        assert one.stdout.readline() != other.stdout.readline()  # pyright: ignore
+        assert one.stdout is not None
+        assert other.stdout is not None
+        assert one.stdout.readline() != other.stdout.readline()
         one.terminate()
         other.terminate()
 
@@ -63,6 +66,7 @@ def test_bad_arguments_are_one_line_and_exit_2(capsys, tmp_path):
     assert "one character, 'P'" in refused(capsys, "--tool", "picker")
     (tmp_path / "config.json").write_text("{")
     assert "is damaged" in refused(capsys, tmp_path)
+    assert "config.json is not a folder" in refused(capsys, "--out", tmp_path / "config.json" / "a")
 
 
 def test_a_port_that_is_taken_is_refused(capsys):

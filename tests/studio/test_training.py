@@ -6,7 +6,7 @@ from studio import page, scene, studio
 
 import habilis as hb
 from habilis.learning.curves import learning_curve
-from habilis.learning.folder import save_run
+from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
 from habilis.learning.train import train
 from habilis.worlds.table import placement
@@ -59,7 +59,8 @@ def check_view(there, run, **which):
     assert [tuple(p["agent"]) for p in view["episode"]["placements"]] == [p.agent for p in places]
     assert np.allclose(view["policy"]["episode"], policy[list(episode.states)], rtol=1e-4)
     assert np.allclose(np.sum(view["policy"]["episode"], axis=1), 1, atol=1e-3)
-    here = mdp.find(agent=(3, 3), tool=SMALL.tool_cell, object=SMALL.object)  # pyright: ignore
+    assert SMALL.tool_cell is not None
+    here = mdp.find(agent=(3, 3), tool=SMALL.tool_cell, object=SMALL.object)
     assert np.allclose(view["policy"]["cells"][3][3], policy[here], rtol=1e-4)
     assert view["values"][3][3] == pytest.approx(float(values[here]), rel=1e-4)
     assert view["values"][SMALL.object[0]][SMALL.object[1]] is None
@@ -156,3 +157,20 @@ def test_what_the_trainer_does_not_take_is_refused(there):
     walled = hb.World.parse("AC#G\n..##\n....\n....")
     answers = done(there, there.send("train", scene=scene(walled), settings={"runs": 1}))
     assert "the goal cannot be reached" in answers[-1]["error"]
+
+
+def test_what_is_trained_is_kept_where_it_was_asked_to_be(run, tmp_path):
+    kept = tmp_path / "a" / "kept"
+    walled = hb.World.parse("AC#G\n..##\n....\n....")
+    with studio("--out", str(kept)) as address, page(address) as there:
+        assert there.hello["kept"] == str(kept)
+        refused = done(there, there.send("train", scene=scene(walled), settings={"runs": 1}))
+        assert "the goal cannot be reached" in refused[-1]["error"]
+        end = done(there, there.send("train", scene=scene(SMALL), settings=SETTINGS))[-1]
+    name = end["done"]["name"]
+    assert {path.name for path in kept.iterdir()} == {name, f"{name}.txt"}
+    assert load_run(kept / name).episodes.equals(run.episodes)
+    with studio(str(kept / name)) as address, page(address) as there:
+        assert there.hello["kept"] is None
+        assert there.hello["run"]["name"] == name
+        check_view(there, run)

@@ -13,6 +13,7 @@ import numpy as np
 from playwright.sync_api import Page
 
 from habilis.empowerment.landscape import landscape
+from habilis.empowerment.sensors import Sensor
 from habilis.worlds.world import Cell, World
 
 CHROMIUM = Path("/usr/bin/chromium")
@@ -77,7 +78,9 @@ def shown_bits(page: Page) -> dict[Cell, float]:
     return {(int(m[1]) - 1, int(m[2]) - 1): float(m[3]) for m in found if m}
 
 
-def true_bits(world: World, horizon: int, sensor: str = "object", **options) -> dict[Cell, float]:
+def true_bits(
+    world: World, horizon: int, sensor: Sensor = "object", **options
+) -> dict[Cell, float]:
     """What the library says, to the two decimals that are shown."""
     values = landscape(world, horizon, sensor, **options).values
     return {

@@ -14,6 +14,7 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from habilis.benchmarks import Result
 from habilis.benchmarks.counting import room
+from habilis.benchmarks.studio_page import edits
 from habilis.processors import processors
 
 SIDE, HORIZON = 10, 6
@@ -22,18 +23,29 @@ _EDITS, _ROUNDS, _SECONDS = 200, 5, 5.0
 
 
 def results() -> list[Result]:
-    """Milliseconds from an edit to its landscape: one page alone, and fifty at once.
+    """Milliseconds from an edit to its landscape: in a browser, one page alone, fifty at once.
 
     An edit puts a wall on some floor cell, or takes it away. The averages of the tools, which come
     after the landscape, are overtaken by the next edit.
     """
-    with serving() as address:
+    with serving() as page:
+        address = page.replace("http:", "ws:") + "ws"
         alone = asyncio.run(_alone(address))
         together = asyncio.run(_together(address))
         served = asyncio.run(_busy(address))
+        seen = edits(page, HORIZON)
     world = f"{SIDE}x{SIDE}, h up to {HORIZON}"
     crowd = f"{CLIENTS} pages edit in one moment, {processors()} processors"
+    in_page = []
+    if seen is not None:
+        drawn = f"10x10, h {HORIZON}, from the press of the mouse to the picture, Chromium"
+        in_page = [
+            Result("an edit to what the page shows, median", *_at(seen, 50), drawn),
+            Result("an edit to what the page shows, 95th percentile", *_at(seen, 95), drawn),
+            Result("an edit to what the page shows, slowest", *_at(seen, 100), drawn),
+        ]
     return [
+        *in_page,
         Result("an edit to its landscape, median", *_at(alone, 50), world),
         Result("an edit to its landscape, 95th percentile", *_at(alone, 95), world),
         Result(f"{CLIENTS} pages: median", *_at(together, 50), crowd),
@@ -50,13 +62,12 @@ def results() -> list[Result]:
 
 @contextmanager
 def serving() -> Iterator[str]:
-    """A studio in a process of its own; yields the address of its WebSocket."""
+    """A studio in a process of its own; yields its address."""
     command = [sys.executable, "-m", "habilis.cli", "studio", "--no-browser", "--json"]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         try:
-            page = json.loads(process.stdout.readline())["address"]
-            yield page.replace("http:", "ws:") + "ws"
+            yield json.loads(process.stdout.readline())["address"]
         finally:
             process.terminate()
 

@@ -34,6 +34,8 @@ export interface Hello {
   limits: { side: [number, number]; horizon: number; slip: number; training: TrainingLimits };
   shapes: Record<string, Drawing>;
   run: RunAbout | null;
+  /** The folder in which trainings are kept beyond the studio's end, if they are. */
+  kept: string | null;
 }
 
 /** The most that a training may take. */
@@ -116,6 +118,8 @@ export interface CurveData {
 }
 
 export interface TrainAnswer extends Common {
+  /** That of the folder in which it trains. */
+  name?: string;
   curve?: CurveData | null;
   /** Of all runs together. */
   steps?: number;
