@@ -2,19 +2,21 @@
 
 import asyncio
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
 from habilis.processors import processors
 from habilis.studio.clients import Client
+from habilis.studio.estimating import Estimate, in_stretches, verdicts
+from habilis.studio.limits import DRAWN, FEWEST
 from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import Pool, StepError
 from habilis.studio.scenes import Scene
 from habilis.worlds.world import NO_TOOL
 
 _SETTLED = 0.1  # seconds without an edit, before averages are begun that the next one would end
-_STRETCH = 0.1  # seconds of a step that is part of a longer computation
+_LONGEST_ESTIMATE = 10.0  # seconds after which an average is good enough
 _AT_ONCE = 8  # processes of a pool at most
 _QUICK_PATIENCE, _SLOW_PATIENCE = 0.3, 1.0
 
@@ -87,15 +89,14 @@ async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) ->
 
 async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) -> list[float]:
     """A landscape where chance has a part, some cells at a time."""
+
+    async def step(first: int, end: int) -> list[float]:
+        found = await client.step(pools.slow, "stretch", scene=scene, first=first, end=end)
+        return found["bits"]
+
     bits: list[float] = []
-    places, cells = len(scene.agent_places()), 1
-    while len(bits) < places:
-        began = time.perf_counter()
-        end = min(len(bits) + cells, places)
-        found = await client.step(pools.slow, "stretch", scene=scene, first=len(bits), end=end)
-        bits += found["bits"]
-        seconds = time.perf_counter() - began
-        cells = max(1, min(int(cells * _STRETCH / seconds), 2 * cells))
+    places = len(scene.agent_places())
+    async for bits in in_stretches(places, step):
         await client.tell(number, progress=len(bits) / places)
     return bits
 
@@ -107,22 +108,42 @@ async def _averages(
     await asyncio.sleep(_SETTLED)
     if scene.world.tool_cell is None:
         tools = ()
-    told = False
-    # The tool in hand first: it is what is looked at.
-    for tool in sorted(tools, key=lambda tool: tool != scene.world.tool):
-        found = await _average(tool, client.step(pools.slow, "average", scene=scene, tool=tool))
-        told |= NO_TOOL in found["averages"]
-        await client.tell(number, **found)
-    if not told:
-        work = client.step(pools.slow, "average_without", scene=scene)
-        await client.tell(number, **await _average(NO_TOOL, work))
+    # The tool in hand first, for it is what is looked at; then what it is compared with.
+    order = sorted([NO_TOOL, *tools], key=lambda tool: (tool != scene.world.tool, tool != NO_TOOL))
+    known: dict[str, Estimate] = {}
+    for tool in order:
+        try:
+            async for average in _average(pools, client, scene, tool):
+                known[tool] = average
+                await client.tell(
+                    number,
+                    averages={tool: average.bits},
+                    within={tool: average.within},
+                    verdicts=verdicts(known),
+                )
+        except StepError as error:
+            await client.tell(number, averages={tool: None}, verdicts={}, why=one_line(error))
 
 
-async def _average(tool: str, work: Coroutine[Any, Any, Any]) -> dict[str, Any]:
-    try:
-        return await work
-    except StepError as error:
-        return {"averages": {tool: None}, "verdicts": {}, "why": one_line(error)}
+async def _average(
+    pools: Pools, client: Client, scene: Scene, tool: str
+) -> AsyncIterator[Estimate]:
+    """What a tool is worth: exactly, or where that takes too long, ever better."""
+    found = await client.step(pools.slow, "average", scene=scene, tool=tool)
+    if found["bits"] is not None:
+        yield Estimate(found["bits"], 0.0, found["some"])
+        return
+
+    async def step(first: int, end: int) -> list[float]:
+        some = {"scene": scene, "tool": tool, "first": first, "end": end}
+        return (await client.step(pools.slow, "sampled", **some))["bits"]
+
+    began = time.perf_counter()
+    async for bits in in_stretches(DRAWN, step):
+        if len(bits) > 1:
+            yield Estimate.of(bits)
+        if len(bits) >= FEWEST and time.perf_counter() - began > _LONGEST_ESTIMATE:
+            return
 
 
 async def futures(pools: Pools, client: Client, request: Request) -> None:

@@ -11,8 +11,10 @@ one or more parts, or
 
 measure  scene
          landscape (rows of bits, null where the agent cannot be), least, most,
-         seconds; then, tool by tool, averages {tool: bits or null} and verdicts
-         {tool: {useful, better_than_none}}, and `why` where an average is null
+         seconds; then, tool by tool, averages {tool: bits or null}, within
+         {tool: half the width of its 95 % interval, 0 where it is exact} and
+         verdicts {tool: {useful, better_than_none or null: open}}, and `why`
+         where an average is null
 landscape  scene, perhaps placement {agent, tool, object}, of things elsewhere
          than on the map
          landscape, least, most, seconds, as above

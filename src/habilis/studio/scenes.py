@@ -93,6 +93,11 @@ class Scene:
         world = replace(self.world, agent=at["agent"], object=at["object"], tool_cell=tool)
         return replace(self, world=world)
 
+    def with_tool(self, tool: str) -> "Scene":
+        """What averages are of: a tool, what all actions can do to the object with it."""
+        world = self.world.with_tool(tool)
+        return replace(self, world=world, sensor="object", actions="all", cells=())
+
     def agent_places(self) -> list[Cell]:
         """The cells that the agent can be in, tool and object where the map has them."""
         world = self.world
