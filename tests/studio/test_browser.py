@@ -496,6 +496,22 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
             steps = len(play(run, index).actions)
             expect(told).to_contain_text(f"{steps} step")
         assert page.locator("#tab-run").get_attribute("aria-selected") == "true"
+
+        # Dragged elsewhere, the can is where the next episode begins with it.
+        page.locator("#step").fill("0")
+        drag(page, "#run-board", YARD.object, (6, 5))
+        mdp = tabulate(YARD)
+        assert YARD.tool_cell is not None
+        start = mdp.find(agent=YARD.agent, tool=YARD.tool_cell, object=(6, 5))
+        expect(told).to_contain_text(f"{len(play(run, 1, start).actions)} step")
+        expect(told).to_contain_text("step")
+        page.locator("#step").fill("0")
+        drag(page, "#run-board", (6, 5), YARD.goal)  # where it would be over
+        expect(page.locator("#run-board .object")).to_have_count(1)
+        keep_picture(page, "run-elsewhere")
+        page.locator("#run-back").click()
+        expect(page.locator("#run-back")).to_be_hidden()
+        expect(told).to_contain_text(f"{len(play(run, 1).actions)} step")
         page.close()
 
 
@@ -511,3 +527,69 @@ def test_a_tool_of_one_s_own_is_drawn_chosen_and_measured(browser: Browser):
         page.locator("#map-text").click()
         assert "R" in page.locator("#text").input_value()
         page.close()
+
+
+CONTRASTS = """() => {
+  const numbers = (colour) => colour.match(/[\\d.]+/g).map(Number);
+  const light = ([r, g, b]) => [r, g, b]
+    .map((v) => (v /= 255) <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
+  const ground = (element) => {
+    for (let e = element; e; e = e.parentElement) {
+      const of = numbers(getComputedStyle(e).backgroundColor);
+      if (of.length === 3 || of[3] === 1) return of;
+    }
+    return [255, 255, 255];
+  };
+  const found = [];
+  for (const e of document.querySelectorAll("body *:not(svg *, option)")) {
+    const text = [...e.childNodes].some((node) => node.nodeType === 3 && node.data.trim());
+    const off = e.closest(":disabled, :has(> input:disabled)");
+    if (!text || off || !e.checkVisibility({ opacityProperty: true })) continue;
+    const both = [light(numbers(getComputedStyle(e).color)), light(ground(e))];
+    const [a, b] = both.sort((x, y) => y - x);
+    found.push([(a + 0.05) / (b + 0.05), e.outerHTML.slice(0, 90)]);
+  }
+  return found.sort(([a], [b]) => a - b);
+}"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_all_words_can_be_read_against_what_is_behind_them(page: Page, scheme):
+    page.emulate_media(color_scheme=scheme)
+    shown_averages(page)
+    for view in ("design", "play", "train", "run"):
+        page.locator(f"#tab-{view}").click()
+        page.wait_for_timeout(300)
+        contrasts = page.evaluate(CONTRASTS)
+        assert len(contrasts) > 5
+        assert contrasts[0][0] >= 4.5, contrasts[:5]
+
+
+RINGED = """() => {
+  const at = document.activeElement;
+  const near = [at, at.nextElementSibling, at.parentElement];
+  const ringed = near.some((e) => e && getComputedStyle(e).outlineStyle === "solid");
+  const ring = at.querySelector(".ring");
+  const board = ring !== null && getComputedStyle(ring).stroke !== "none";
+  return at === document.body ? null : [ringed || board, at.outerHTML.slice(0, 90)];
+}"""
+
+
+def test_what_the_keyboard_is_at_is_seen(page: Page):
+    seen = []
+    page.keyboard.press("Tab")
+    while (at := page.evaluate(RINGED)) is not None and len(seen) < 60:
+        assert at[0], at[1]
+        seen.append(at[1])
+        page.keyboard.press("Tab")
+    assert len(set(seen)) > 12
+
+
+def test_nothing_moves_for_those_who_ask_for_that(page: Page):
+    page.locator("#tab-play").click()
+    agent = page.locator("#play-board .agent")
+    taken = "(e) => getComputedStyle(e).transitionDuration"
+    assert agent.evaluate(taken) != "0s"
+    page.emulate_media(reduced_motion="reduce")
+    assert agent.evaluate(taken) == "0s"

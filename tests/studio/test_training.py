@@ -9,6 +9,7 @@ from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
 from habilis.learning.train import train
+from habilis.worlds.plans import solve
 from habilis.worlds.table import placement
 
 SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")
@@ -82,6 +83,15 @@ def test_a_view_is_of_any_place_of_the_things(there, run):
     state = mdp.find(agent=(0, 0), tool=(0, 1), object=(2, 2))
     assert view["values"][0][0] == pytest.approx(float(values[state]), rel=1e-4)
     assert view["values"][3][3] is None  # nobody holds the tool from there
+    episode = play(run, 0, state)
+    assert view["episode"]["actions"] == list(episode.actions)
+    assert view["episode"]["placements"][0] == at
+    best = solve(mdp, state)
+    assert best is not None
+    assert view["episode"]["best_return"] == best.best_return
+    at["object"] = [0, 1]
+    refusal = there.ask("run", index=0, placement=at)["error"]
+    assert refusal.startswith("agent (0, 0), tool (0, 1), object (0, 1): is no placement; put each")
 
 
 def test_a_run_that_is_not_there_is_refused(there):

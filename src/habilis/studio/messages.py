@@ -34,9 +34,10 @@ train    scene, settings (some of `habilis.learning.config.Config`)
          converged_at, best_return}
 stop     (the id is the training's) nothing of its own: the training ends, and
          keeps what it has
-run      index, perhaps name (of a training) and placement (of tool and object)
+run      index, perhaps name (of a training) and placement {agent, tool, object},
+         in which the episode begins
          policy {episode, cells}, values, episode {placements, actions, values,
-         return, finished}, curve and what goes with it
+         return, finished, best_return or null}, curve and what goes with it
 
 A scene is an object:
 
@@ -52,9 +53,11 @@ slip     0 (the default) to 0.5, the probability that chance replaces an action
 
 A curve has x, mean, low, high, runs, carried_on. `hello` has version, worlds
 {name: map}, tools, tool_characters {character: tool}, actions (their names, by
-index), limits, shapes (drawings of things: [outline, colour] from back to
-front), run (of the folder that the studio was started with: name, runs, map,
-tool, config; or null) and kept (the folder of trainings that are kept, or null).
+index), limits, training (intrinsic {name: words}, algorithms {name: words},
+without_horizon, first {setting: value}), shapes (drawings of things: [outline,
+colour] from back to front), run (of the folder that the studio was started with:
+name, runs, map, tool, config; or null) and kept (the folder of trainings that are
+kept, or null).
 """
 
 import json

@@ -25,6 +25,7 @@ from habilis.studio.answering import Pools
 from habilis.studio.clients import Client
 from habilis.studio.limits import CLIENTS, HORIZON, MESSAGE, SIDES, SLIP, TRAINING
 from habilis.studio.messages import MessageError, Request, read
+from habilis.studio.offered import offered
 from habilis.studio.security import Access, Guard
 from habilis.studio.training import Trainings
 from habilis.worlds.own_tools import tool_named
@@ -87,6 +88,7 @@ class Studio:
                 "message": MESSAGE,
                 "training": TRAINING,
             },
+            "training": offered(),
             "shapes": {
                 name: [[shape.path, shape.fill] for shape in drawing]
                 for name, drawing in shapes.items()

@@ -3,7 +3,8 @@
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
 import { cellOf } from "../core/scene";
-import { createBoard, same } from "../draw/board";
+import { createBoard } from "../draw/board";
+import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
 import { button, card, notice, rename } from "../frame/widgets";
 import { ARROWS, rowColumn } from "../design/editor";

@@ -2,9 +2,9 @@
 
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
-import type { CurveData, SceneMessage, TrainAnswer } from "../core/protocol";
+import type { CurveData, SceneMessage, Settings, TrainAnswer } from "../core/protocol";
 import { message } from "../core/scene";
-import { summary, type Settings } from "./form";
+import { summary } from "./form";
 
 export interface Training {
   readonly id: number;
@@ -60,7 +60,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     const scene = message(store.scene());
     const training: Training = {
       id: trainings.length + 1,
-      label: summary(settings, scene.tool),
+      label: summary(app.hello.training, settings, scene.tool),
       settings, scene, name: null,
       curve: null, share: 0, steps: 0, episodes: 0, best: null, done: null, stopped: false,
       error: null, line: null,
