@@ -74,9 +74,17 @@ def average(scene: Scene, tool: str) -> Answer:
         return {"bits": None}
     mdp = tabulate(of_tool.world, scene.slip)
     states = np.flatnonzero(compared_states(mdp))
-    options = _OPTIONS | {"max_seconds": _EXACT} if scene.slip else _OPTIONS
+    seconds = _EXACT if scene.slip else SECONDS
     try:
-        bits = empowerment(mdp, scene.horizon, "object", states=states, **options)
+        bits = empowerment(
+            mdp,
+            scene.horizon,
+            "object",
+            states=states,
+            threads=1,
+            max_gib=GIB,
+            max_seconds=seconds,
+        )
     except TooMuchError:
         return {"bits": None}
     return {"bits": float(bits.mean()), "some": bool(bits.max() > _NOTHING)}
