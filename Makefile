@@ -5,7 +5,7 @@ INSTALLED := .venv/installed
 APART := .venv-integration
 
 .PHONY: test test-studio test-integration paper quick multiverse check format docs calibrate reconstruct \
-	bench bench-sb3 page clean
+	bench bench-sb3 page studio-picture clean
 
 # Side by side on all processors, the tests of a file together.
 test: $(INSTALLED)
@@ -60,6 +60,10 @@ page: studio/node_modules
 studio/node_modules: studio/package-lock.json
 	npm --prefix studio ci --silent
 	touch $@
+
+# The picture of the studio in README.md, taken in Debian's Chromium.
+studio-picture: $(INSTALLED)
+	PYTHONPATH=tests/support $(BIN)/python tests/support/studio_picture.py docs/studio.png
 
 bench: $(INSTALLED)
 	$(BIN)/habilis bench

@@ -18,5 +18,14 @@ export default defineConfig({
     },
   },
   // `npm run dev` beside a running `habilis studio --port 8765`
-  server: { proxy: { "/ws": { target: "ws://127.0.0.1:8765", ws: true, changeOrigin: true } } },
+  server: {
+    proxy: {
+      "/ws": {
+        target: "http://127.0.0.1:8765",
+        ws: true,
+        changeOrigin: true,
+        rewriteWsOrigin: true, // the studio answers no page but its own
+      },
+    },
+  },
 });

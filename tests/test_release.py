@@ -1,30 +1,39 @@
 """What is released: packages that install and run from anywhere, and what is told of them."""
 
+import math
 import os
 import re
 import shutil
 import subprocess
 import sys
 import tarfile
+import urllib.request
 import zipfile
 from pathlib import Path
 
 import pytest
 import yaml
+from studio import page, scene, studio
 
 import habilis
 
 ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "src" / "habilis" / "studio" / "page"
+PAGE_FILES = ["index.html", "assets/studio.css", "assets/studio.js"]
 HEADINGS = ["New", "Breaking changes", "Fixed", "Performance"]
+
+
+def apart():
+    """Our environment, without our sources on its path."""
+    return {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "VIRTUAL_ENV")}
 
 
 def ran(*command, where, **environment):
     """What a command prints, in a folder, without our sources on its path."""
-    kept = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "VIRTUAL_ENV")}
     done = subprocess.run(
         [str(word) for word in command],
         cwd=where,
-        env=kept | environment,
+        env=apart() | environment,
         capture_output=True,
         text=True,
     )
@@ -78,6 +87,7 @@ def test_the_wheel_has_what_the_package_needs_and_nothing_else(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
     ours = {str(path.relative_to("src")) for path in sources() if path.parts[0] == "src"}
     assert {"habilis/py.typed", "habilis/worlds/builtin/yard.txt"} <= ours
+    assert {f"habilis/studio/page/{name}" for name in PAGE_FILES} <= ours
     assert any(name.startswith("habilis/studies/data/maps/") for name in ours)
     assert any(name.endswith((".html", ".jinja")) for name in ours)
     info = f"habilis-{habilis.__version__}.dist-info"
@@ -100,25 +110,64 @@ def test_the_tests_of_the_sdist_run(unpacked):
     ran(*command, "--collect-only", "tests", where=unpacked, **environment)
 
 
-@pytest.mark.parametrize("kind", ["wheel", "sdist"])
-def test_it_installs_into_an_empty_environment_and_runs(kind, request, tmp_path):
-    package = request.getfixturevalue(kind)
-    ran(sys.executable, "-m", "venv", tmp_path / "venv", where=tmp_path)
-    python = tmp_path / "venv" / "bin" / "python"
+def install(python, package):
     pip = [python, "-m", "pip", "--disable-pip-version-check"]
     constraints = ["--constraint", ROOT / "constraints.txt"]
-    ran(*pip, "install", "--quiet", *constraints, package, where=tmp_path)
-    ran(*pip, "check", where=tmp_path)
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.mkdir()
+    ran(*pip, "install", "--quiet", *constraints, package, where=python.parent)
+    ran(*pip, "check", where=python.parent)
+
+
+def installed(package, folder):
+    """The interpreter of an environment that has a package, and what it needs, only."""
+    ran(sys.executable, "-m", "venv", folder / "venv", where=folder)
+    python = folder / "venv" / "bin" / "python"
+    install(python, package)
+    return python
+
+
+@pytest.fixture(scope="module")
+def wheel_installed(wheel, tmp_path_factory):
+    return installed(wheel, tmp_path_factory.mktemp("wheel"))
+
+
+@pytest.fixture(scope="module")
+def sdist_installed(sdist, tmp_path_factory):
+    return installed(sdist, tmp_path_factory.mktemp("sdist"))
+
+
+@pytest.mark.parametrize("kind", ["wheel", "sdist"])
+def test_it_installs_into_an_empty_environment_and_runs(kind, request, tmp_path):
+    python = request.getfixturevalue(f"{kind}_installed")
+    elsewhere = tmp_path
     said = ran(python.parent / "habilis", "compare", "yard", "--horizon", "3", where=elsewhere)
     averages = dict(re.findall(r"^ *(\w+)  (\d\.\d{4})", said, re.MULTILINE))
     assert averages == {"picker": "0.5241", "broom": "0.2761", "none": "0.2303"}
     code = "import habilis; print(habilis.__file__, habilis.__version__)"
     file, version = ran(python, "-c", code, where=elsewhere).split()
-    assert Path(file).is_relative_to(tmp_path / "venv")
+    assert Path(file).is_relative_to(python.parents[1])
     assert version == habilis.__version__
     assert (Path(file).parent / "py.typed").exists()
+
+
+def test_the_wheel_and_the_extra_studio_are_all_that_the_studio_needs(
+    wheel, wheel_installed, tmp_path
+):
+    install(wheel_installed, f"{wheel}[studio]")
+    command = [str(wheel_installed.parent / "habilis")]
+    yard = habilis.load_world("yard")
+    with studio(habilis=command, cwd=tmp_path, env=apart()) as address, page(address) as there:
+        with urllib.request.urlopen(address) as answer:
+            shown = answer.read().decode()
+        assets = re.findall(r'(?:src|href)="\./(assets/[\w.]+)"', shown)
+        assert sorted(["index.html", *assets]) == sorted(PAGE_FILES)
+        for asset in assets:
+            with urllib.request.urlopen(address + asset) as answer:
+                assert answer.read() == (PAGE / asset).read_bytes()
+        assert shown == (PAGE / "index.html").read_text("utf-8")
+        bits = there.ask("measure", scene=scene(yard, sensor="object", horizon=3))["landscape"]
+        assert bits[8][4] == pytest.approx(math.log2(6))
+        refused = there.ask("train", scene=scene(yard), settings={})["error"]
+        assert refused == "jax is not installed; run: pip install 'habilis[learn]'"
 
 
 def test_the_version_is_one_number_everywhere():

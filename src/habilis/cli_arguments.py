@@ -217,6 +217,8 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--port", type=int, default=0, help="default 0: any that is free")
     own = "one of your own as FILE.py:CLASS, beside picker and broom; again for another"
     v.add_argument("--tool", action="append", default=[], dest="tools", metavar="TOOL", help=own)
+    kept = "keep what is trained from the page there (default: until the studio ends)"
+    v.add_argument("--out", type=Path, metavar="DIR", help=kept)
     v.add_argument("--no-browser", action="store_true", help="only print the address")
 
     v = verb("bench", "measure our speed beside the alternatives", "habilis bench empowerment")

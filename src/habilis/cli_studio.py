@@ -15,7 +15,9 @@ from habilis.extras import import_from
 def studio(args: Args) -> int:
     server = import_from("habilis.studio.server", "studio")
     with tempfile.TemporaryDirectory(prefix="habilis-studio-", ignore_cleanup_errors=True) as place:
-        made, found = server.opened(args.host, args.port, Path(place), tuple(args.tools), args.run)
+        made, found = server.opened(
+            args.host, args.port, Path(place), tuple(args.tools), args.run, args.out
+        )
         address = made.access.address(args.host)
         if args.json:
             print_json({"address": address})

@@ -20,6 +20,7 @@ import "./style/base.css";
 import "./style/controls.css";
 import "./style/pictures.css";
 import "./style/views.css";
+import "./style/portrait.css";
 
 let app: App | null = null;
 let status: Status = "connecting";

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from playwright.sync_api import (
@@ -29,16 +30,20 @@ from studio_page import (
     shown_bits,
     true_bits,
 )
+from studio_picture import take
 
 from habilis.empowerment.futures import futures
+from habilis.empowerment.landscape import landscape
 from habilis.empowerment.measures import compare
 from habilis.worlds.plans import solve
-from habilis.worlds.table import tabulate
+from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import World, load_world
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="apt-get install chromium")
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+LARGEST_PICTURE = 150_000  # bytes
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
 SIZE: ViewportSize = {"width": 1280, "height": 720}
@@ -224,6 +229,17 @@ def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
     expect(marks).to_have_count(0)
 
 
+def test_the_picture_of_the_readme_is_taken_by_a_command(browser: Browser, tmp_path: Path):
+    take(browser, tmp_path / "studio.png")
+    for path in (tmp_path / "studio.png", ROOT / "docs" / "studio.png"):
+        taken = plt.imread(path)
+        assert taken.shape[:2] == (664, 1280)
+        red, green, blue = np.moveaxis(taken[120:560, 540:980, :3], -1, 0)
+        marks = (red > 2 * green) & (2 * green > 4 * blue)  # and the can, which is smaller
+        assert marks.sum() > 4 * 500
+        assert path.stat().st_size < LARGEST_PICTURE
+
+
 def test_built_in_worlds_and_map_text(page: Page):
     page.locator("#worlds").select_option("corridor")
     assert shown_bits(page) == true_bits(load_world("corridor"), 3)
@@ -305,6 +321,42 @@ def test_the_bits_of_play_are_those_of_the_state(page: Page):
     expect(page.locator("#bits-now")).to_have_text(f"{start:.2f}")
 
 
+def test_the_bits_of_every_cell_are_shown_over_the_game_as_it_is_now(page: Page):
+    page.locator("#tab-play").click()
+    shown = page.locator("#play-board .labels text")
+    expect(shown).to_have_count(0)
+    page.get_by_role("switch", name="Bits").check()
+    world = YARD
+    for keys in ((), ("ArrowDown", "ArrowDown", "ArrowRight")):
+        for key in keys:
+            page.keyboard.press(key)
+            world = acted(world, KEYS.index(key))
+        expect(page.locator("#play-state")).to_contain_text(f"{len(keys)} step")
+        page.wait_for_selector("#play-board:not(.waiting)")
+        wanted = landscape(world, 3, "object").values
+        wanted = [f"{bits:.1f}" for bits in wanted[np.isfinite(wanted)]]
+        assert shown.all_text_contents() == wanted
+    keep_picture(page, "play-bits")
+    page.keyboard.press("b")
+    expect(shown).to_have_count(0)
+
+
+def acted(world: World, action: int) -> World:
+    """A world after an action."""
+    mdp = tabulate(world)
+    return placement(world, mdp, int(mdp.next_state[mdp.start, action]))
+
+
+def test_a_click_beside_the_agent_moves_it_there(page: Page):
+    page.locator("#tab-play").click()
+    row, column = YARD.agent
+    page.mouse.click(*middle(page, "#play-board", (row, column + 1)))
+    expect(page.locator("#play-state")).to_contain_text("1 step")
+    page.mouse.click(*middle(page, "#play-board", (row, column + 3)))  # too far
+    page.mouse.click(*middle(page, "#play-board", (row, column)))
+    expect(page.locator("#play-state")).to_contain_text("2 steps")
+
+
 def test_show_me_acts_out_a_shortest_plan(page: Page):
     plan = solve(tabulate(YARD))
     assert plan is not None
@@ -345,6 +397,15 @@ def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
         keep_picture(page, f"{view}-{size[0]}")
 
 
+def test_a_tablet_held_upright_is_filled(page: Page):
+    page.set_viewport_size({"width": 810, "height": 1080})
+    for view in ("play", "train"):
+        page.locator(f"#tab-{view}").click()
+        box = page.locator(f".{view}").bounding_box()
+        assert box is not None
+        assert box["y"] + box["height"] > 0.9 * 1080
+
+
 def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: Page):
     pytest.importorskip("jax")
     page.locator("#tab-train").click()
@@ -356,17 +417,32 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     assert page.locator("#curves .line").count() == 1
     expect(page.locator(".training")).to_contain_text("of 2 converged")
 
-    page.locator("#intrinsic").select_option("none")
+    # To whom standing near the can is worth more than the goal, it does not converge: this one ends
+    # after ten times a hundred million steps, or when it is stopped.
+    page.locator("#beta").fill("10")
+    page.locator("#runs").fill("10")
     page.locator("#episodes").fill("100000")
     page.locator("#start").click()
-    expect(page.locator("#curves .line")).to_have_count(2)
+    curve = page.locator("#curves .line.k1")
+    expect(curve).to_have_count(1)
+    paths = [curve.get_attribute("d")]
+    for _ in range(2):
+        expect(curve).not_to_have_attribute("d", paths[-1] or "")
+        paths.append(curve.get_attribute("d"))
     assert watch.count() == 1  # the second still trains, and both are drawn
+    assert page.locator("#curves .line").count() == 2
+    assert page.locator("#start").is_disabled()
     page.locator("#stop").click()
     expect(watch).to_have_count(2)
+    expect(page.locator(".training").first).to_contain_text("stopped after")
+    assert page.locator("#start").is_enabled()
     keep_picture(page, "train")
 
-    watch.last.click()
+    watch.first.click()
     told = page.locator("#run-told")
+    expect(told).to_contain_text("step")
+    page.locator("#tab-train").click()
+    watch.last.click()
     expect(told).to_contain_text("step")
     expect(page.locator("#action-bars li")).to_have_count(8)
     shares = [int(text.split()[0]) for text in page.locator("#action-bars .bits").all_inner_texts()]
@@ -374,6 +450,23 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     assert page.locator("#run-board .arrows .arrow").count() > 0
     assert page.locator("#run-curve .line").count() == 1
     keep_picture(page, "run")
+
+
+def test_a_training_that_is_kept_goes_by_the_name_of_its_folder(browser: Browser, tmp_path: Path):
+    pytest.importorskip("jax")
+    with served("--out", str(tmp_path / "kept")) as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        page.locator("#tab-train").click()
+        expect(page.locator("#kept")).to_contain_text(str(tmp_path / "kept"))
+        page.locator("#runs").fill("1")
+        page.locator("#episodes").fill("100")
+        page.locator("#start").click()
+        expect(page.get_by_role("button", name="Watch")).to_have_count(1)
+        (folder,) = (path for path in (tmp_path / "kept").iterdir() if path.is_dir())
+        expect(page.locator(".training .name")).to_contain_text(folder.name)
+        keep_picture(page, "train-kept")
+        page.close()
 
 
 def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
@@ -403,6 +496,22 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
             steps = len(play(run, index).actions)
             expect(told).to_contain_text(f"{steps} step")
         assert page.locator("#tab-run").get_attribute("aria-selected") == "true"
+
+        # Dragged elsewhere, the can is where the next episode begins with it.
+        page.locator("#step").fill("0")
+        drag(page, "#run-board", YARD.object, (6, 5))
+        mdp = tabulate(YARD)
+        assert YARD.tool_cell is not None
+        start = mdp.find(agent=YARD.agent, tool=YARD.tool_cell, object=(6, 5))
+        expect(told).to_contain_text(f"{len(play(run, 1, start).actions)} step")
+        expect(told).to_contain_text("step")
+        page.locator("#step").fill("0")
+        drag(page, "#run-board", (6, 5), YARD.goal)  # where it would be over
+        expect(page.locator("#run-board .object")).to_have_count(1)
+        keep_picture(page, "run-elsewhere")
+        page.locator("#run-back").click()
+        expect(page.locator("#run-back")).to_be_hidden()
+        expect(told).to_contain_text(f"{len(play(run, 1).actions)} step")
         page.close()
 
 
@@ -418,3 +527,69 @@ def test_a_tool_of_one_s_own_is_drawn_chosen_and_measured(browser: Browser):
         page.locator("#map-text").click()
         assert "R" in page.locator("#text").input_value()
         page.close()
+
+
+CONTRASTS = """() => {
+  const numbers = (colour) => colour.match(/[\\d.]+/g).map(Number);
+  const light = ([r, g, b]) => [r, g, b]
+    .map((v) => (v /= 255) <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
+  const ground = (element) => {
+    for (let e = element; e; e = e.parentElement) {
+      const of = numbers(getComputedStyle(e).backgroundColor);
+      if (of.length === 3 || of[3] === 1) return of;
+    }
+    return [255, 255, 255];
+  };
+  const found = [];
+  for (const e of document.querySelectorAll("body *:not(svg *, option)")) {
+    const text = [...e.childNodes].some((node) => node.nodeType === 3 && node.data.trim());
+    const off = e.closest(":disabled, :has(> input:disabled)");
+    if (!text || off || !e.checkVisibility({ opacityProperty: true })) continue;
+    const both = [light(numbers(getComputedStyle(e).color)), light(ground(e))];
+    const [a, b] = both.sort((x, y) => y - x);
+    found.push([(a + 0.05) / (b + 0.05), e.outerHTML.slice(0, 90)]);
+  }
+  return found.sort(([a], [b]) => a - b);
+}"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_all_words_can_be_read_against_what_is_behind_them(page: Page, scheme):
+    page.emulate_media(color_scheme=scheme)
+    shown_averages(page)
+    for view in ("design", "play", "train", "run"):
+        page.locator(f"#tab-{view}").click()
+        page.wait_for_timeout(300)
+        contrasts = page.evaluate(CONTRASTS)
+        assert len(contrasts) > 5
+        assert contrasts[0][0] >= 4.5, contrasts[:5]
+
+
+RINGED = """() => {
+  const at = document.activeElement;
+  const near = [at, at.nextElementSibling, at.parentElement];
+  const ringed = near.some((e) => e && getComputedStyle(e).outlineStyle === "solid");
+  const ring = at.querySelector(".ring");
+  const board = ring !== null && getComputedStyle(ring).stroke !== "none";
+  return at === document.body ? null : [ringed || board, at.outerHTML.slice(0, 90)];
+}"""
+
+
+def test_what_the_keyboard_is_at_is_seen(page: Page):
+    seen = []
+    page.keyboard.press("Tab")
+    while (at := page.evaluate(RINGED)) is not None and len(seen) < 60:
+        assert at[0], at[1]
+        seen.append(at[1])
+        page.keyboard.press("Tab")
+    assert len(set(seen)) > 12
+
+
+def test_nothing_moves_for_those_who_ask_for_that(page: Page):
+    page.locator("#tab-play").click()
+    agent = page.locator("#play-board .agent")
+    taken = "(e) => getComputedStyle(e).transitionDuration"
+    assert agent.evaluate(taken) != "0s"
+    page.emulate_media(reduced_motion="reduce")
+    assert agent.evaluate(taken) == "0s"

@@ -66,6 +66,7 @@ def test_bad_arguments_are_one_line_and_exit_2(capsys, tmp_path):
     assert "one character, 'P'" in refused(capsys, "--tool", "picker")
     (tmp_path / "config.json").write_text("{")
     assert "is damaged" in refused(capsys, tmp_path)
+    assert "config.json is not a folder" in refused(capsys, "--out", tmp_path / "config.json" / "a")
 
 
 def test_a_port_that_is_taken_is_refused(capsys):

@@ -14,6 +14,7 @@ TOOLS = {"P": "picker", "B": "broom"}
 SCENE = scene(hb.load_world("yard"), sensor="object", horizon=2, slip=0.0, actions="all", cells=[])
 WHOLE = {
     "measure": {"scene": SCENE},
+    "landscape": {"scene": SCENE, "placement": {"agent": [2, 0], "object": [8, 3]}},
     "futures": {"scene": SCENE, "agent": [0, 0]},
     "solve": {"scene": SCENE},
     "step": {

@@ -6,9 +6,10 @@ from studio import page, scene, studio
 
 import habilis as hb
 from habilis.learning.curves import learning_curve
-from habilis.learning.folder import save_run
+from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
 from habilis.learning.train import train
+from habilis.worlds.plans import solve
 from habilis.worlds.table import placement
 
 SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")
@@ -82,6 +83,15 @@ def test_a_view_is_of_any_place_of_the_things(there, run):
     state = mdp.find(agent=(0, 0), tool=(0, 1), object=(2, 2))
     assert view["values"][0][0] == pytest.approx(float(values[state]), rel=1e-4)
     assert view["values"][3][3] is None  # nobody holds the tool from there
+    episode = play(run, 0, state)
+    assert view["episode"]["actions"] == list(episode.actions)
+    assert view["episode"]["placements"][0] == at
+    best = solve(mdp, state)
+    assert best is not None
+    assert view["episode"]["best_return"] == best.best_return
+    at["object"] = [0, 1]
+    refusal = there.ask("run", index=0, placement=at)["error"]
+    assert refusal.startswith("agent (0, 0), tool (0, 1), object (0, 1): is no placement; put each")
 
 
 def test_a_run_that_is_not_there_is_refused(there):
@@ -157,3 +167,20 @@ def test_what_the_trainer_does_not_take_is_refused(there):
     walled = hb.World.parse("AC#G\n..##\n....\n....")
     answers = done(there, there.send("train", scene=scene(walled), settings={"runs": 1}))
     assert "the goal cannot be reached" in answers[-1]["error"]
+
+
+def test_what_is_trained_is_kept_where_it_was_asked_to_be(run, tmp_path):
+    kept = tmp_path / "a" / "kept"
+    walled = hb.World.parse("AC#G\n..##\n....\n....")
+    with studio("--out", str(kept)) as address, page(address) as there:
+        assert there.hello["kept"] == str(kept)
+        refused = done(there, there.send("train", scene=scene(walled), settings={"runs": 1}))
+        assert "the goal cannot be reached" in refused[-1]["error"]
+        end = done(there, there.send("train", scene=scene(SMALL), settings=SETTINGS))[-1]
+    name = end["done"]["name"]
+    assert {path.name for path in kept.iterdir()} == {name, f"{name}.txt"}
+    assert load_run(kept / name).episodes.equals(run.episodes)
+    with studio(str(kept / name)) as address, page(address) as there:
+        assert there.hello["kept"] is None
+        assert there.hello["run"]["name"] == name
+        check_view(there, run)

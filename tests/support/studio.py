@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -11,12 +11,14 @@ from websockets.sync.client import ClientConnection, connect
 
 import habilis as hb
 
+HABILIS = (sys.executable, "-m", "habilis.cli")
+
 
 @contextmanager
-def studio(*arguments: str) -> Iterator[str]:
+def studio(*arguments: str, habilis: Sequence[str] = HABILIS, **options: Any) -> Iterator[str]:
     """Runs `habilis studio`; yields the page's address."""
-    command = [sys.executable, "-m", "habilis.cli", "studio", "--no-browser", "--json"]
-    with subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE) as process:
+    command = [*habilis, "studio", "--no-browser", "--json", *arguments]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, **options) as process:
         assert process.stdout is not None
         try:
             yield json.loads(process.stdout.readline())["address"]

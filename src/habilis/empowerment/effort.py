@@ -29,6 +29,19 @@ class Limits:
     seconds: float
 
 
+class TooMuchError(ValueError):
+    """A computation that would cost more than it may.
+
+    Attributes:
+        horizon: that was asked for.
+        fitting: the largest that fits; -1 where none does.
+    """
+
+    def __init__(self, message: str, horizon: int, fitting: int):
+        super().__init__(message)
+        self.horizon, self.fitting = horizon, fitting
+
+
 @dataclass(frozen=True)
 class Effort:
     """What each horizon from 0 to h costs.
@@ -48,7 +61,7 @@ def check_effort(
     """Refuses what would take more than it may.
 
     Raises:
-        ValueError: the estimate of memory or time is above its limit; the message has both, and
+        TooMuchError: the estimate of memory or time is above its limit; the message has both, and
             the largest horizon that fits.
     """
     successors, horizon = problem.successors, problem.horizon
@@ -70,14 +83,15 @@ def most_entries(limits: Limits, at_once: int) -> int:
 
 def too_much(
     horizon: int, fitting: int, limits: Limits, cost: str = "turns out to take more memory"
-) -> ValueError:
+) -> TooMuchError:
     """The error that names the largest horizon that fits."""
     best = f"the largest horizon that fits is {fitting}" if fitting >= 0 else "no horizon fits"
-    return ValueError(
+    message = (
         f"horizon {horizon} {cost}; the limits are {limits.gib:g} GiB and {limits.seconds:g} s, "
         f"and {best}: use it, raise max_gib or max_seconds, or ask for a lower bound "
         "with method='sampled'"
     )
+    return TooMuchError(message, horizon, fitting)
 
 
 def estimate(problem: Problem, starts: Int64[np.ndarray, "n"], threads: int) -> Effort:

@@ -112,8 +112,8 @@ def learned(run: Run, mdp: TabularMDP, index: int) -> tuple[np.ndarray, np.ndarr
     return np.asarray(policy), np.asarray(values) / algorithm.reward_scale
 
 
-def play(run: Run, index: int = 0) -> Episode:
-    """Acts out one run's greedy policy from the start.
+def play(run: Run, index: int = 0, start: int | None = None) -> Episode:
+    """Acts out one run's greedy policy.
 
     The policy and the world are deterministic, so an episode that comes back to a state will
     never reach the goal: it ends there.
@@ -121,17 +121,21 @@ def play(run: Run, index: int = 0) -> Episode:
     Args:
         run: what `train` returned, or `load_run`.
         index: which of its runs, from 0.
+        start: the state to begin in, of `tabulate(run.world)`; by default the map's own.
 
     Returns:
         The episode.
 
     Raises:
-        ValueError: there is no such run.
+        ValueError: there is no such run, or no such state.
     """
     _check_index(run, index)
     mdp = table_of(run)
     policy = greedy_actions(run, mdp, index)
-    states, actions, total = [mdp.start], [], 0.0
+    start = mdp.start if start is None else start
+    if not 0 <= start < mdp.states:
+        raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
+    states, actions, total = [start], [], 0.0
     while True:
         action = int(policy[states[-1]])
         total += float(mdp.reward[states[-1], action])

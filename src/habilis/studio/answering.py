@@ -2,19 +2,21 @@
 
 import asyncio
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
 from habilis.processors import processors
 from habilis.studio.clients import Client
+from habilis.studio.estimating import Estimate, in_stretches, verdicts
+from habilis.studio.limits import DRAWN, FEWEST
 from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import Pool, StepError
 from habilis.studio.scenes import Scene
 from habilis.worlds.world import NO_TOOL
 
 _SETTLED = 0.1  # seconds without an edit, before averages are begun that the next one would end
-_STRETCH = 0.1  # seconds of a step that is part of a longer computation
+_LONGEST_ESTIMATE = 10.0  # seconds after which an average is good enough
 _AT_ONCE = 8  # processes of a pool at most
 _QUICK_PATIENCE, _SLOW_PATIENCE = 0.3, 1.0
 
@@ -64,30 +66,37 @@ class Pools:
 async def measure(pools: Pools, tools: tuple[str, ...], client: Client, request: Request) -> None:
     """The landscape as soon as it is there, then the tools' averages one by one."""
     scene = _scene(request)
+    await _landscape(pools, client, request.id, scene)
+    await _averages(pools, tools, client, request.id, scene)
+
+
+async def landscape(pools: Pools, client: Client, request: Request) -> None:
+    """The landscape alone, perhaps with things elsewhere than on the map."""
+    scene, at = _scene(request), request.values.get("placement")
+    await _landscape(pools, client, request.id, scene if at is None else scene.with_things(at))
+
+
+async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) -> None:
     began = time.perf_counter()
     if scene.slip:
-        bits = await _stretches(pools, client, request.id, scene)
+        bits = await _stretches(pools, client, number, scene)
     else:
         bits = (await client.step(pools.quick, "landscape", scene=scene))["bits"]
     seconds = time.perf_counter() - began
     least, most = (min(bits), max(bits)) if bits else (None, None)
-    await client.tell(
-        request.id, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds
-    )
-    await _averages(pools, tools, client, request.id, scene)
+    await client.tell(number, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds)
 
 
 async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) -> list[float]:
     """A landscape where chance has a part, some cells at a time."""
+
+    async def step(first: int, end: int) -> list[float]:
+        found = await client.step(pools.slow, "stretch", scene=scene, first=first, end=end)
+        return found["bits"]
+
     bits: list[float] = []
-    places, cells = len(scene.agent_places()), 1
-    while len(bits) < places:
-        began = time.perf_counter()
-        end = min(len(bits) + cells, places)
-        found = await client.step(pools.slow, "stretch", scene=scene, first=len(bits), end=end)
-        bits += found["bits"]
-        seconds = time.perf_counter() - began
-        cells = max(1, min(int(cells * _STRETCH / seconds), 2 * cells))
+    places = len(scene.agent_places())
+    async for bits in in_stretches(places, step):
         await client.tell(number, progress=len(bits) / places)
     return bits
 
@@ -99,22 +108,42 @@ async def _averages(
     await asyncio.sleep(_SETTLED)
     if scene.world.tool_cell is None:
         tools = ()
-    told = False
-    # The tool in hand first: it is what is looked at.
-    for tool in sorted(tools, key=lambda tool: tool != scene.world.tool):
-        found = await _average(tool, client.step(pools.slow, "average", scene=scene, tool=tool))
-        told |= NO_TOOL in found["averages"]
-        await client.tell(number, **found)
-    if not told:
-        work = client.step(pools.slow, "average_without", scene=scene)
-        await client.tell(number, **await _average(NO_TOOL, work))
+    # The tool in hand first, for it is what is looked at; then what it is compared with.
+    order = sorted([NO_TOOL, *tools], key=lambda tool: (tool != scene.world.tool, tool != NO_TOOL))
+    known: dict[str, Estimate] = {}
+    for tool in order:
+        try:
+            async for average in _average(pools, client, scene, tool):
+                known[tool] = average
+                await client.tell(
+                    number,
+                    averages={tool: average.bits},
+                    within={tool: average.within},
+                    verdicts=verdicts(known),
+                )
+        except StepError as error:
+            await client.tell(number, averages={tool: None}, verdicts={}, why=one_line(error))
 
 
-async def _average(tool: str, work: Coroutine[Any, Any, Any]) -> dict[str, Any]:
-    try:
-        return await work
-    except StepError as error:
-        return {"averages": {tool: None}, "verdicts": {}, "why": one_line(error)}
+async def _average(
+    pools: Pools, client: Client, scene: Scene, tool: str
+) -> AsyncIterator[Estimate]:
+    """What a tool is worth: exactly, or where that takes too long, ever better."""
+    found = await client.step(pools.slow, "average", scene=scene, tool=tool)
+    if found["bits"] is not None:
+        yield Estimate(found["bits"], 0.0, found["some"])
+        return
+
+    async def step(first: int, end: int) -> list[float]:
+        some = {"scene": scene, "tool": tool, "first": first, "end": end}
+        return (await client.step(pools.slow, "sampled", **some))["bits"]
+
+    began = time.perf_counter()
+    async for bits in in_stretches(DRAWN, step):
+        if len(bits) > 1:
+            yield Estimate.of(bits)
+        if len(bits) >= FEWEST and time.perf_counter() - began > _LONGEST_ESTIMATE:
+            return
 
 
 async def futures(pools: Pools, client: Client, request: Request) -> None:
@@ -136,7 +165,8 @@ async def step(pools: Pools, client: Client, request: Request) -> None:
     await client.tell(request.id, **found)
 
 
-ONE_STEP: dict[str, Callable[[Pools, Client, Request], Coroutine[Any, Any, None]]] = {
+ANSWERS: dict[str, Callable[[Pools, Client, Request], Coroutine[Any, Any, None]]] = {
+    "landscape": landscape,
     "futures": futures,
     "solve": solve,
     "step": step,

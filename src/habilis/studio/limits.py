@@ -12,6 +12,8 @@ CLIENTS = 200
 SECONDS = 60.0
 """That one step of a computation may take, by an estimate or else by the clock."""
 GIB = 2.0
+DRAWN, FEWEST = 400, 30
+"""Placements that an average is estimated from, where all of them are too many; and at least."""
 
 TRAINING = {
     "runs": 10,

@@ -1,33 +1,63 @@
 """What a message may be: everything that comes from a page is looked over here.
 
-Messages are JSON texts over one WebSocket. The server begins with `{"hello": ...}` (see
-`server.Studio.hello`); then a page asks, `{"id": number, "do": name, ...}`, and every answer has
-the request's id. An answer is what it is asked for below, in one or more parts, or
+Messages are JSON texts over one WebSocket, at the path /ws. The server begins
+with `{"hello": ...}`; then a page asks, `{"id": number, "do": name, ...}`, and
+every answer has the request's id. An answer is what it is asked for below, in
+one or more parts, or
 
-    {"id", "error": one line}       what is wrong, in the library's words
-    {"id", "progress": 0 to 1}      of what takes long
-    {"id", "overtaken": true}       a newer request of the same kind has taken its place
+    {"id", "error": one line}    what is wrong, in the library's words
+    {"id", "progress": 0 to 1}   of what takes long
+    {"id", "overtaken": true}    a newer request of its kind has taken its place
 
 measure  scene
-         landscape (rows of bits, null where the agent cannot be), least, most, seconds; then, tool
-         by tool, averages {tool: bits or null} and verdicts {tool: {useful, better_than_none}},
-         and `why` where an average is null
+         landscape (rows of bits, null where the agent cannot be), least, most,
+         seconds; then, tool by tool, averages {tool: bits or null}, within
+         {tool: half the width of its 95 % interval, 0 where it is exact} and
+         verdicts {tool: {useful, better_than_none or null: open}}, and `why`
+         where an average is null
+landscape  scene, perhaps placement {agent, tool, object}, of things elsewhere
+         than on the map
+         landscape, least, most, seconds, as above
 futures  scene, agent [row, column]
-         bits, gap, things [[row, column, probability]] of what is sensed (through the sensor
-         "state": of the can), elsewhere (the probability of other cells), count of observations
+         bits, gap, things [[row, column, probability]] of what is sensed
+         (through the sensor "state": of the can), elsewhere (the probability
+         of other cells), count of observations
 solve    scene
-         steps, return, actions, placements; or nulls, where the goal is out of reach
-step     scene, placement {agent, tool, object}, action (an index; null: stay, to ask for its bits)
+         steps, return, actions, placements; or nulls, where the goal is out of
+         reach
+step     scene, placement {agent, tool, object}, action (an index; null: stay, to
+         ask for its bits)
          placement, bits, equipped, attached, reward, ended
 train    scene, settings (some of `habilis.learning.config.Config`)
-         name; then repeatedly share, steps_per_second, curve, episodes, steps, converged_at,
-         best_return; at last the same with done {name, runs, converged_at, best_return}
-stop     (the id is the training's) nothing of its own: the training ends, and keeps what it has
-run      index, perhaps name (of a training) and placement (of tool and object)
-         policy {episode, cells}, values, episode {placements, actions, values, return, finished},
-         curve and what goes with it
+         name; then repeatedly share, steps_per_second, curve, episodes, steps,
+         converged_at, best_return; at last the same with done {name, runs,
+         converged_at, best_return}
+stop     (the id is the training's) nothing of its own: the training ends, and
+         keeps what it has
+run      index, perhaps name (of a training) and placement {agent, tool, object},
+         in which the episode begins
+         policy {episode, cells}, values, episode {placements, actions, values,
+         return, finished, best_return or null}, curve and what goes with it
 
-A scene is an object with what `scenes.Scene` has; a curve has x, mean, low, high, runs, carried_on.
+A scene is an object:
+
+map      text of 4 to 30 rows and columns; a tool's character says where it is,
+         not which
+tool     the name of one that `hello` lists
+sensor   state (the default), object, tool, agent, or cells: sees the object in
+         `cells` only
+cells    [[row, column], ...]
+horizon  0 (the default) to 10 actions
+actions  all (the default), moves, tool
+slip     0 (the default) to 0.5, the probability that chance replaces an action
+
+A curve has x, mean, low, high, runs, carried_on. `hello` has version, worlds
+{name: map}, tools, tool_characters {character: tool}, actions (their names, by
+index), limits, training (intrinsic {name: words}, algorithms {name: words},
+without_horizon, first {setting: value}), shapes (drawings of things: [outline,
+colour] from back to front), run (of the folder that the studio was started with:
+name, runs, map, tool, config; or null) and kept (the folder of trainings that are
+kept, or null).
 """
 
 import json
@@ -46,6 +76,7 @@ _LONGEST_ERROR = 400
 
 _FIELDS = {  # of each request: what it must have, and what it may have
     "measure": (("scene",), ()),
+    "landscape": (("scene",), ("placement",)),
     "futures": (("scene", "agent"), ()),
     "solve": (("scene",), ()),
     "step": (("scene", "placement", "action"), ()),

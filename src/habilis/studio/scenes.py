@@ -1,7 +1,7 @@
 """A scene: a world on the page, and what is measured in it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -82,6 +82,21 @@ class Scene:
     def placement(self) -> Placement:
         """Where the map has everything."""
         return placement_of(self.world, agent=self.world.agent)
+
+    def with_things(self, at: Placement) -> "Scene":
+        """The same scene with its things elsewhere.
+
+        Raises:
+            ValueError: something is not on a free cell of its own.
+        """
+        tool = at.get("tool", self.world.tool_cell)
+        world = replace(self.world, agent=at["agent"], object=at["object"], tool_cell=tool)
+        return replace(self, world=world)
+
+    def with_tool(self, tool: str) -> "Scene":
+        """What averages are of: a tool, what all actions can do to the object with it."""
+        world = self.world.with_tool(tool)
+        return replace(self, world=world, sensor="object", actions="all", cells=())
 
     def agent_places(self) -> list[Cell]:
         """The cells that the agent can be in, tool and object where the map has them."""

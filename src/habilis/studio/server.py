@@ -25,6 +25,7 @@ from habilis.studio.answering import Pools
 from habilis.studio.clients import Client
 from habilis.studio.limits import CLIENTS, HORIZON, MESSAGE, SIDES, SLIP, TRAINING
 from habilis.studio.messages import MessageError, Request, read
+from habilis.studio.offered import offered
 from habilis.studio.security import Access, Guard
 from habilis.studio.training import Trainings
 from habilis.worlds.own_tools import tool_named
@@ -49,6 +50,7 @@ class Studio:
         trainings: those that pages have asked for.
         tools: names of the tools of somebody's own.
         run: the folder of a trained run to show, and `shown`, what pages are told of it.
+        kept: the folder in which trainings are kept, if they are kept when the server ends.
         clients: those that are connected.
     """
 
@@ -58,6 +60,7 @@ class Studio:
     tools: tuple[str, ...] = ()
     run: Path | None = None
     shown: Mapping[str, Any] | None = None
+    kept: Path | None = None
     clients: set[Client] = field(default_factory=set)
 
     @cached_property
@@ -85,11 +88,13 @@ class Studio:
                 "message": MESSAGE,
                 "training": TRAINING,
             },
+            "training": offered(),
             "shapes": {
                 name: [[shape.path, shape.fill] for shape in drawing]
                 for name, drawing in shapes.items()
             },
             "run": self.shown,
+            "kept": None if self.kept is None else str(self.kept),
         }
 
     async def answer(self, client: Client, request: Request) -> None:
@@ -108,7 +113,7 @@ class Studio:
         elif request.do == "run":
             work = learning.run(pools, trainings, self.run, client, request)
         else:
-            work = answering.ONE_STEP[request.do](pools, client, request)
+            work = answering.ANSWERS[request.do](pools, client, request)
         await client.ask(request.do, request.id, work)
 
 
@@ -171,19 +176,25 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
 
 
 def opened(
-    host: str, port: int, folder: Path, tools: tuple[str, ...] = (), run: Path | None = None
+    host: str,
+    port: int,
+    folder: Path,
+    tools: tuple[str, ...] = (),
+    run: Path | None = None,
+    kept: Path | None = None,
 ) -> tuple[Studio, socket.socket]:
     """A studio on an address, ready to be served.
 
     Args:
         host, port: where to listen; port 0 is any that is free.
-        folder: where trainings are kept.
+        folder: where trainings are written that nobody wants to keep.
         tools: names of tools of somebody's own.
         run: the folder of a trained run to show.
+        kept: another folder for trainings, in which they are to be kept.
 
     Raises:
-        ValueError: the address is none of this machine's, a tool or run does not exist, or two
-            tools have one character.
+        ValueError: the address is none of this machine's, a tool or run does not exist, two
+            tools have one character, or `kept` cannot be written to.
     """
     of_characters: dict[str, str] = {}
     for name in (*TOOLS, *tools):
@@ -195,9 +206,12 @@ def opened(
             )
         of_characters[character] = name
     shown = None if run is None else import_from("habilis.studio.trained", "learn").described(run)
+    if kept is not None:
+        import_from("habilis.learning.folder", "learn").check_writable(kept)
+        kept = kept.absolute()
     found = listening(host, port)
     access = Access.of(host, found.getsockname()[1])
-    return Studio(access, Pools.made(), Trainings(folder), tools, run, shown), found
+    return Studio(access, Pools.made(), Trainings(kept or folder), tools, run, shown, kept), found
 
 
 def listening(host: str, port: int) -> socket.socket:

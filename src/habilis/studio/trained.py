@@ -12,6 +12,7 @@ from habilis.learning.replay import learned, play
 from habilis.learning.runs import Run
 from habilis.mdp import TabularMDP
 from habilis.studio.work import Answer, placed
+from habilis.worlds.plans import solve
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import World
 
@@ -42,21 +43,22 @@ def view(folder: str, index: int, at: dict[str, list[int]] | None = None) -> Ans
     Args:
         folder: of the run.
         index: which of its runs.
-        at: where object and tool are, for what is shown of every agent cell; by default where the
-            map has them.
+        at: where agent, object and tool are when the episode begins, the latter also for what is
+            shown of every agent cell; by default where the map has them.
 
     Returns:
         The greedy episode; along it, and for every agent cell, the probability of each action and
-        the value; and the curve.
+        the value; the curve, and the best return from there.
     """
     run = load_latest(folder)
-    episode = play(run, index)
     mdp = _table(run.world)
+    start = mdp.start if at is None else _state(mdp, at)
+    episode = play(run, index, start)
     policy, values = learned(run, mdp, index)
-    cells: Any = at or {"object": run.world.object, "tool": run.world.tool_cell}
     here = np.ones(mdp.states, bool)
     for name in mdp.factors.keys() - {"agent"}:
-        here &= mdp.factor(name) == mdp.label(cells[name])
+        here &= mdp.factor(name) == mdp.factor(name)[start]
+    best = solve(mdp, start)
     shape = run.world.height, run.world.width
     grids: Any = [[[None] * shape[1] for _ in range(shape[0])] for _ in range(2)]
     for state in np.flatnonzero(here):
@@ -75,8 +77,23 @@ def view(folder: str, index: int, at: dict[str, list[int]] | None = None) -> Ans
             "values": [rounded(values[state]) for state in episode.states],
             "return": episode.episode_return,
             "finished": episode.finished,
+            "best_return": None if best is None else best.best_return,
         },
     } | _curve(run)
+
+
+def _state(mdp: TabularMDP, at: dict[str, list[int]]) -> int:
+    """The state of a placement.
+
+    Raises:
+        ValueError: it is none.
+    """
+    cells = {name: (cell[0], cell[1]) for name, cell in at.items() if name in mdp.factors}
+    try:
+        return mdp.find(**cells)
+    except KeyError:
+        where = ", ".join(f"{name} {cell}" for name, cell in cells.items())
+        raise ValueError(f"{where}: is no placement; put each on a free cell of its own") from None
 
 
 def rounded(values: np.ndarray) -> Any:

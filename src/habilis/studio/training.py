@@ -20,7 +20,6 @@ from habilis.worlds.rules import Grid
 _NICE = 10
 _GRACE = 15  # seconds in which a trainer that is stopped writes its last checkpoint
 _NAME = 4  # random bytes
-_MAP, _RUN = "map.txt", "run"
 
 
 class Training:
@@ -65,7 +64,8 @@ class Trainings:
     """All trainings of a server, so many at once.
 
     Attributes:
-        folder: in which each has a folder, by its name.
+        folder: in which each has a folder, by its name, and beside it its map. It is made when it
+            is first needed.
     """
 
     def __init__(self, folder: Path):
@@ -79,7 +79,7 @@ class Trainings:
         Raises:
             ValueError: there is none of that name.
         """
-        path = self.folder / name / _RUN
+        path = self.folder / name
         if not name.isalnum() or not path.is_dir():
             raise ValueError(f"no training has the name {shown(name)}; use one that it gave")
         return path
@@ -95,15 +95,18 @@ class Trainings:
             raise ValueError(f"{TRAINING['waiting']} trainings wait already; try again later")
         check_trainable(scene)
         name = secrets.token_hex(_NAME)
-        drawn = self.folder / name / _MAP
+        drawn = self.folder / f"{name}.txt"
         config = Config.from_dict(settings | {"world": str(drawn)})
-        drawn.parent.mkdir(parents=True)
-        drawn.write_text(scene.world.located().text(), "utf-8")
+        with _writing(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            drawn.write_text(scene.world.located().text(), "utf-8")
         self._under_way += 1
         try:
-            yield Training(name, drawn.parent / _RUN, config, self._places)
+            yield Training(name, self.folder / name, config, self._places)
         finally:
             self._under_way -= 1
+            if not (self.folder / name).exists():  # it came to nothing
+                drawn.unlink(missing_ok=True)
 
 
 def check_trainable(scene: Scene) -> None:
@@ -121,6 +124,17 @@ def check_trainable(scene: Scene) -> None:
             f"{scene.world.name}: has up to {placements:,} placements; train on at most "
             f"{TRAINING['placements']:,}: make the map smaller"
         )
+
+
+@contextlib.contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise ValueError(
+            f"{folder}: cannot be written to ({error.strerror}); make room there, or start the "
+            "studio with another --out"
+        ) from None
 
 
 async def _started(folder: Path, config: Config) -> Process:

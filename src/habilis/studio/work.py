@@ -6,7 +6,7 @@ scene's table) each process keeps for itself.
 
 import random
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, wraps
 from typing import Any
 
 import numpy as np
@@ -14,18 +14,25 @@ import numpy as np
 from habilis.empowerment.arguments import chosen_actions
 from habilis.empowerment.beliefs import TooManyBeliefsError
 from habilis.empowerment.core import empowerment
-from habilis.empowerment.effort import Limits, check_effort, most_entries, too_much
+from habilis.empowerment.effort import (
+    Limits,
+    TooMuchError,
+    check_effort,
+    most_entries,
+    too_much,
+)
 from habilis.empowerment.futures import futures
+from habilis.empowerment.measures import compared_states
 from habilis.empowerment.open_loop import Problem, exact, problem_of
-from habilis.empowerment.usefulness import usefulness
 from habilis.mdp import TabularMDP
-from habilis.studio.limits import GIB, SECONDS
+from habilis.studio.chance import drawn
+from habilis.studio.limits import DRAWN, FEWEST, GIB, SECONDS
 from habilis.studio.scenes import ELSEWHERE, Scene, placement_of
 from habilis.worlds.placements import Placement
 from habilis.worlds.plans import solve
 from habilis.worlds.reach import reachable
 from habilis.worlds.table import placement, tabulate
-from habilis.worlds.world import NO_TOOL, World
+from habilis.worlds.world import World
 
 Answer = dict[str, Any]
 Cells = list[list[int]]
@@ -33,7 +40,9 @@ Cells = list[list[int]]
 _LIMITS = Limits(GIB, SECONDS)
 _OPTIONS = {"threads": 1, "max_gib": GIB, "max_seconds": SECONDS}
 _TOLERANCE = 1e-6  # bits
+_NOTHING = 1e-9  # bits: what rounding can make of none
 _KEPT = 4  # tables of scenes
+_MANY, _EXACT = 100, 5.0  # cells, seconds: beyond, an average where chance has a part is estimated
 
 
 def landscape(scene: Scene) -> Answer:
@@ -49,31 +58,37 @@ def landscape(scene: Scene) -> Answer:
 
 def stretch(scene: Scene, first: int, end: int) -> Answer:
     """Empowerment for some of the agent's cells, where chance has a part and it takes long."""
-    problem, states = _uncertain(scene)
-    try:
-        return {"bits": [exact(problem, int(state))[1].bits for state in states[first:end]]}
-    except TooManyBeliefsError as error:
-        raise too_much(problem.horizon, error.horizon, _LIMITS) from None
+    problem, states = _everywhere(scene)
+    return {"bits": _each(problem, states[first:end])}
+
+
+def sampled(scene: Scene, tool: str, first: int, end: int) -> Answer:
+    """Object empowerment in some of `DRAWN` placements with a tool, or none, in hand."""
+    problem, states = _anywhere(scene.with_tool(tool))
+    return {"bits": _each(problem, states[first:end])}
 
 
 def average(scene: Scene, tool: str) -> Answer:
-    """What a tool is worth on average in the scene's world, and whether it is of use."""
-    found = usefulness(scene.world.with_tool(tool), scene.horizon, scene.slip, **_OPTIONS)
-    verdict = {
-        "useful": found.useful_on_average,
-        "better_than_none": found.better_than_none_on_average,
-    }
-    return {
-        "averages": {tool: found.average_with_tool, NO_TOOL: found.average_without},
-        "verdicts": {tool: verdict},
-    }
-
-
-def average_without(scene: Scene) -> Answer:
-    """What the bare agent is worth on average."""
-    bare = tabulate(scene.world.with_tool(NO_TOOL), scene.slip)
-    bits = empowerment(bare, scene.horizon, "object", **_OPTIONS)
-    return {"averages": {NO_TOOL: float(bits.mean())}, "verdicts": {}}
+    """What a tool, or none, is worth on average; `None` where that takes too long to be exact."""
+    of_tool = scene.with_tool(tool)
+    if scene.slip and len(of_tool.agent_places()) > _MANY:
+        return {"bits": None}
+    mdp = tabulate(of_tool.world, scene.slip)
+    states = np.flatnonzero(compared_states(mdp))
+    seconds = _EXACT if scene.slip else SECONDS
+    try:
+        bits = empowerment(
+            mdp,
+            scene.horizon,
+            "object",
+            states=states,
+            threads=1,
+            max_gib=GIB,
+            max_seconds=seconds,
+        )
+    except TooMuchError:
+        return {"bits": None}
+    return {"bits": float(bits.mean()), "some": bool(bits.max() > _NOTHING)}
 
 
 def choices(scene: Scene, agent: list[int]) -> Answer:
@@ -170,22 +185,60 @@ def _bits(scene: Scene, places: list[Placement]) -> np.ndarray:
 
 
 @lru_cache(_KEPT)
-def _uncertain(scene: Scene) -> tuple[Problem, np.ndarray]:
+def _everywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
     """What the agent's cells have in common where chance has a part.
 
     Raises:
-        ValueError: it takes longer than anybody waits; names the largest horizon that does not.
+        TooMuchError: it takes longer than anybody waits.
     """
-    mdp, states = _around(scene, [_at(scene, place) for place in scene.agent_places()])
-    used, most = chosen_actions(mdp, scene.action_indices), most_entries(_LIMITS, 1)
-    problem = problem_of(mdp, scene.horizon, scene.sensed(mdp), used, _TOLERANCE, most)
+    problem, states = _uncertain(scene, [_at(scene, place) for place in scene.agent_places()])
     check_effort(problem, states, 1, _LIMITS)
     return problem, states
 
 
-STEPS: dict[str, Callable[..., Answer]] = {
-    one.__name__: one for one in (landscape, stretch, average, average_without, choices, plan, step)
-}
+@lru_cache(_KEPT)
+def _anywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
+    """What placements drawn at random have in common where chance has a part.
+
+    Raises:
+        TooMuchError: even a few take longer than anybody waits.
+    """
+    problem, states = _uncertain(scene, drawn(scene.world, DRAWN))
+    check_effort(problem, states[:FEWEST], 1, _LIMITS)
+    return problem, states
+
+
+def _uncertain(scene: Scene, places: list[Placement]) -> tuple[Problem, np.ndarray]:
+    mdp, states = _around(scene, places)
+    used, most = chosen_actions(mdp, scene.action_indices), most_entries(_LIMITS, 1)
+    return problem_of(mdp, scene.horizon, scene.sensed(mdp), used, _TOLERANCE, most), states
+
+
+def _each(problem: Problem, states: np.ndarray) -> list[float]:
+    try:
+        return [exact(problem, int(state))[1].bits for state in states]
+    except TooManyBeliefsError as error:
+        raise too_much(problem.horizon, error.horizon, _LIMITS) from None
+
+
+def _in_words(one: Callable[..., Answer]) -> Callable[..., Answer]:
+    """Says in the page's words, not in the library's, that something takes too long."""
+
+    @wraps(one)
+    def step(*given: Any, **named: Any) -> Answer:
+        try:
+            return one(*given, **named)
+        except TooMuchError as error:
+            fewer = f"up to {error.fitting} do not" if error.fitting > 0 else "have no slip"
+            raise ValueError(
+                f"with slip, {error.horizon} steps ahead take too long here; {fewer}"
+            ) from None
+
+    return step
+
+
+_ALL = (landscape, stretch, sampled, average, choices, plan, step)
+STEPS: dict[str, Callable[..., Answer]] = {one.__name__: _in_words(one) for one in _ALL}
 """What a process may be asked to do, by name."""
 
 

@@ -12,6 +12,7 @@ export interface Measured {
   least: number;
   most: number;
   averages: Record<string, number | null>;
+  within: Record<string, number>;
   /** Why there is no average, where there is none. */
   why: string | null;
   verdicts: Record<string, Verdict>;
@@ -36,6 +37,7 @@ const NOTHING: Measured = {
   least: 0,
   most: 0,
   averages: {},
+  within: {},
   why: null,
   verdicts: {},
   compared: [],
@@ -69,9 +71,10 @@ export function createMeasuring(connection: Connection, store: Store): Measuring
       if (answer.averages) {
         tell({
           averages: { ...measured.averages, ...answer.averages },
+          within: { ...measured.within, ...answer.within },
           verdicts: { ...measured.verdicts, ...answer.verdicts },
           why: answer.why ?? measured.why,
-          compared: [...measured.compared, ...Object.keys(answer.averages)],
+          compared: [...new Set([...measured.compared, ...Object.keys(answer.averages)])],
         });
       }
     });

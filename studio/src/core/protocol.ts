@@ -32,8 +32,31 @@ export interface Hello {
   tool_characters: Record<string, string>;
   actions: string[];
   limits: { side: [number, number]; horizon: number; slip: number; training: TrainingLimits };
+  training: Offered;
   shapes: Record<string, Drawing>;
   run: RunAbout | null;
+  /** The folder in which trainings are kept beyond the studio's end, if they are. */
+  kept: string | null;
+}
+
+/** What a training may choose from, by name, in words. */
+export interface Offered {
+  intrinsic: Record<string, string>;
+  algorithms: Record<string, string>;
+  /** Intrinsic rewards that look no steps ahead. */
+  without_horizon: string[];
+  first: Settings;
+}
+
+/** What a training is asked to do. */
+export interface Settings {
+  intrinsic: string;
+  horizon: number;
+  beta: number;
+  runs: number;
+  seed: number;
+  algorithm: string;
+  episodes: number;
 }
 
 /** The most that a training may take. */
@@ -68,16 +91,22 @@ export type Grid = (number | null)[][];
 
 export interface Verdict {
   useful: boolean;
-  better_than_none: boolean;
+  /** Null where estimates leave it open. */
+  better_than_none: boolean | null;
 }
 
-export interface MeasureAnswer extends Common {
+export interface LandscapeAnswer extends Common {
   landscape?: Grid;
   least?: number | null;
   most?: number | null;
   seconds?: number;
+}
+
+export interface MeasureAnswer extends LandscapeAnswer {
   /** Null where it takes too long; then `why` says so. */
   averages?: Record<string, number | null>;
+  /** Half the widths of their 95 % intervals: 0 where they are exact. */
+  within?: Record<string, number>;
   why?: string;
   verdicts?: Record<string, Verdict>;
 }
@@ -113,6 +142,8 @@ export interface CurveData {
 }
 
 export interface TrainAnswer extends Common {
+  /** That of the folder in which it trains. */
+  name?: string;
   curve?: CurveData | null;
   /** Of all runs together. */
   steps?: number;
@@ -138,4 +169,6 @@ export interface Episode {
   values: number[];
   return: number;
   finished: boolean;
+  /** The best possible from where it began; null where there is no way to the goal. */
+  best_return: number | null;
 }

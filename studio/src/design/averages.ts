@@ -20,18 +20,22 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
     }),
   );
   const verdict = h("p", { class: "verdict", id: "verdict", "aria-live": "polite" });
-  const waiting = h("p", { class: "quiet" }, "Bits at the can, over all its places.");
+  const waiting = h("p", { class: "quiet" });
 
-  function show({ averages, verdicts, compared, error, why }: Measured): void {
+  function show({ averages, within, verdicts, compared, error, why }: Measured): void {
     const { tool } = store.scene();
     const most = Math.max(...Object.values(averages).map((bits) => bits ?? 0), 1e-9);
     for (const [name, { row, bar, bits }] of rows) {
       const value = averages[name];
-      bits.textContent = value === undefined || value === null ? "–" : value.toFixed(2);
+      const about = within[name] ?? 0;
+      bits.textContent = value === undefined || value === null ? "–" : inWords(value, about);
+      row.title = about ? `between ${(value! - about).toFixed(2)} and ${(value! + about).toFixed(2)}, with 95 % confidence` : "";
       bar.style.setProperty("--share", String(Math.max((value ?? 0) / most, 0)));
       row.classList.toggle("chosen", name === tool);
       row.dataset.fresh = String(compared.includes(name));
     }
+    const estimated = Object.values(within).some((about) => about > 0);
+    waiting.textContent = `Bits at the can, over ${estimated ? "some of all its places." : "all its places."}`;
     const said = error ? [] : why !== null ? [why] : sentence(tool, averages, verdicts[tool]);
     verdict.replaceChildren(...said);
     verdict.dataset.kind = kindOf(why === null ? verdicts[tool] : undefined);
@@ -49,9 +53,15 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
   );
 }
 
+/** An estimate is told from what is exact. */
+function inWords(bits: number, about: number): string {
+  return about > 0.005 ? `≈ ${bits.toFixed(2)}` : bits.toFixed(2);
+}
+
 function kindOf(verdict: Verdict | undefined): string {
   if (!verdict) return "none";
   if (!verdict.useful) return "useless";
+  if (verdict.better_than_none === null) return "none";
   return verdict.better_than_none ? "useful" : "encumbers";
 }
 
@@ -66,6 +76,9 @@ function sentence(
   if (!verdict || own == null || bare == null) return [];
   if (!verdict.useful) {
     return [h("strong", {}, `The ${name} is useless here`), ": with it, nothing can be done to the can."];
+  }
+  if (verdict.better_than_none === null) {
+    return [h("strong", {}, "Too close to call"), `: about as much as with bare hands.`];
   }
   const apart = Math.abs(own - bare).toFixed(2);
   if (verdict.better_than_none) {

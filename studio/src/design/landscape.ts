@@ -6,8 +6,10 @@ import { h } from "../core/elements";
 import type { Measured } from "../core/measuring";
 import type { Cell, FuturesAnswer, Sensor } from "../core/protocol";
 import { cellOf, indexOf, message, startOf } from "../core/scene";
-import { createBoard, same, type Mark } from "../draw/board";
-import { GRADIENT, scaleOf } from "../draw/heat";
+import { createBoard, type Mark } from "../draw/board";
+import { same } from "../draw/cells";
+import { scaleOf } from "../draw/heat";
+import { createScaleBar } from "../draw/scale";
 import { ARROWS, rowColumn } from "./editor";
 
 const HOVER_WAIT = 40;
@@ -26,11 +28,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
   const board = createBoard("The landscape: bits for every cell of the agent", "landscape-board");
   const { picture } = board;
   const told = h("p", { class: "told", id: "told", "aria-live": "polite" }, HINT);
-  const least = h("span", { id: "least" });
-  const most = h("span", { id: "most" });
-  const bar = h("span", { class: "scale-bar" });
-  bar.style.background = GRADIENT;
-  const scale = h("div", { class: "scale", role: "img" }, least, bar, most, h("span", {}, "bits"));
+  const scale = createScaleBar("bits", 2);
   const progress = h("div", { class: "progress", role: "progressbar", "aria-label": "computing" });
   const fault = h("p", { class: "fault", role: "alert", id: "fault" });
 
@@ -71,10 +69,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     progress.style.setProperty("--share", String(share ?? 0));
     fault.textContent = error ?? "";
     told.hidden = error !== null;
-    scale.hidden = error !== null;
-    const there = landscape !== null;
-    least.textContent = there ? values.least.toFixed(2) : "";
-    most.textContent = there ? values.most.toFixed(2) : "";
+    scale.show(error === null && landscape ? values : null);
     picture.dataset.pending = String(pending);
     draw();
   }
@@ -168,5 +163,5 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     told.textContent = hint();
     draw();
   });
-  return h("div", { class: "landscape" }, progress, board.element, scale, told, fault);
+  return h("div", { class: "landscape" }, progress, board.element, scale.element, told, fault);
 }

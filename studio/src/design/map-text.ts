@@ -2,7 +2,7 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
-import type { MeasureAnswer } from "../core/protocol";
+import type { LandscapeAnswer } from "../core/protocol";
 import { message } from "../core/scene";
 import { mapText, parseMap, rowsOf } from "../core/world";
 import { openDialog } from "../frame/dialog";
@@ -21,8 +21,8 @@ export function openMapText({ connection, store, hello }: App): void {
     const map = rowsOf(area.value).join("\n");
     const { tool } = parseMap(map);
     const name = (tool && hello.tool_characters[tool]) ?? "none";
-    const asked = connection.ask<MeasureAnswer>(
-      "measure",
+    const asked = connection.ask<LandscapeAnswer>(
+      "landscape",
       { scene: { ...message(scene), map, tool: name, cells: [], sensor: "object", horizon: 0 } },
       (answer) => {
         if (answer.error !== undefined) fault.textContent = answer.error;

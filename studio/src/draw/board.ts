@@ -2,10 +2,11 @@
 
 import { h, set, svg } from "../core/elements";
 import type { Cell, Placement } from "../core/protocol";
+import { movesOf, roseOf } from "./arrows";
+import { box, clamp, corner, everyCell, redraw, same, square, UNIT } from "./cells";
 import { colourOf, inkOn, type Scale } from "./heat";
 import { drawingOf, use } from "./shapes";
 
-const UNIT = 100; // of the picture, a cell; letters of less than one unit are drawn badly
 const READABLE = 29; // pixels of a cell in which its value can be read
 
 export interface Mark {
@@ -89,7 +90,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
     drawValues(next);
     redraw(chosen, (next.chosen ?? []).map((cell) => box("chosen", cell, 8)).join(""));
     redraw(marks, (next.marks ?? []).map((mark) => markOf(mark, isThing(next, mark.cell))).join(""));
-    redraw(arrows, next.arrows ? everyCell(next, (cell) => arrowOf(next, cell)) : "");
+    redraw(arrows, next.arrows ? everyCell(next, (cell) => arrowsOf(next, cell)) : "");
     redraw(now, next.now && next.things.agent ? movesOf(next.things.agent, next.now) : "");
     picture.classList.toggle("marked", (next.marks?.length ?? 0) > 0);
     drawThings(next);
@@ -192,48 +193,14 @@ export function createBoard(name: string, id: string, moving = false): Board {
   };
 }
 
-export function same(a: Cell, b: Cell): boolean {
-  return a[0] === b[0] && a[1] === b[1];
-}
-
-function redraw(group: SVGGElement & { drawn?: string }, markup: string): void {
-  if (group.drawn === markup) return;
-  group.drawn = markup;
-  group.innerHTML = markup;
-}
-
-function everyCell(
-  { height, width }: { height: number; width: number },
-  drawn: (cell: Cell) => string,
-  open = "",
-  close = "",
-): string {
-  const parts: string[] = [];
-  for (let row = 0; row < height; row++) {
-    parts.push(open);
-    for (let column = 0; column < width; column++) parts.push(drawn([row, column]));
-    parts.push(close);
-  }
-  return parts.join("");
-}
-
-function corner([row, column]: Cell): [number, number] {
-  return [column * UNIT, row * UNIT];
-}
-
-function square(cell: Cell, inset = 0): string {
-  const [x, y] = corner(cell);
-  const side = UNIT - 2 * inset;
-  return `x="${x + inset}" y="${y + inset}" width="${side}" height="${side}"`;
-}
-
-function box(kind: string, cell: Cell, inset = 1.3, more = ""): string {
-  return `<rect class="${kind}-cell" ${square(cell, inset)}${more}/>`;
-}
-
 function isThing({ things, goal }: Picture, cell: Cell): boolean {
   const cells = [things.agent, things.tool, things.object, goal];
   return cells.some((other) => other && same(other, cell));
+}
+
+function arrowsOf(picture: Picture, cell: Cell): string {
+  const shares = picture.arrows?.[cell[0]]?.[cell[1]];
+  return shares && !isThing(picture, cell) ? roseOf(cell, shares) : "";
 }
 
 /** A dot, the larger the likelier; a frame where a dot would hide a thing. */
@@ -248,28 +215,4 @@ function markOf({ cell, weight }: Mark, occupied: boolean): string {
 function facing(agent: Cell, tool: Cell): number {
   const side = `${tool[0] - agent[0]},${tool[1] - agent[1]}`;
   return { "0,-1": 90, "-1,0": 180, "0,1": 270 }[side] ?? 0;
-}
-
-/** A rose about the cell's middle, as long to each side as its action is probable. */
-function arrowOf(picture: Picture, cell: Cell): string {
-  const shares = picture.arrows?.[cell[0]]?.[cell[1]];
-  return shares && !isThing(picture, cell) ? wedges(cell, shares, (share) => `M-9 0L0 ${-10 - 36 * share}L9 0Z`) : "";
-}
-
-/** From the agent's sides into the cells around it. */
-function movesOf(agent: Cell, shares: number[]): string {
-  return wedges(agent, shares, (share) => `M-15 -46L0 ${-50 - 50 * share}L15 -46Z`);
-}
-
-function wedges(cell: Cell, shares: number[], path: (share: number) => string): string {
-  const [x, y] = corner(cell);
-  const drawn = shares.slice(0, 4).map((share, side) => {
-    const place = `translate(${x + 50} ${y + 50}) rotate(${90 * side})`;
-    return share < 0.03 ? "" : `<path class="arrow" transform="${place}" d="${path(share)}"/>`;
-  });
-  return drawn.join("");
-}
-
-function clamp(value: number, most: number): number {
-  return Math.min(Math.max(value, 0), most);
 }

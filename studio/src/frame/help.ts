@@ -13,6 +13,7 @@ const KEYS: [string, string][] = [
   ["A T C B", "put agent, tool, can, bin there"],
   ["Play: arrows", "move the agent"],
   ["W A S D", "put the tool north, west, south, east"],
+  ["B", "the bits of every cell"],
   ["R", "start again"],
 ];
 

@@ -33,6 +33,23 @@ export function segmented<Name extends string>(
   };
 }
 
+/** Something that is on or off. */
+export function toggle(
+  label: string,
+  id: string,
+  onChange: () => void,
+): { element: HTMLElement; on: () => boolean; turn: () => void } {
+  const input = h("input", { type: "checkbox", role: "switch", id, onchange: onChange });
+  return {
+    element: h("label", { class: "button toggle" }, input, h("span", {}, label)),
+    on: () => input.checked,
+    turn() {
+      input.checked = !input.checked;
+      onChange();
+    },
+  };
+}
+
 /** One of several by name. */
 export function select<Name extends string>(
   label: string,

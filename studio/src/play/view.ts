@@ -4,9 +4,11 @@ import type { App, View } from "../core/app";
 import { h } from "../core/elements";
 import { cellOf } from "../core/scene";
 import { createBoard } from "../draw/board";
+import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
 import { button, card, notice, rename } from "../frame/widgets";
-import { rowColumn } from "../design/editor";
+import { ARROWS, rowColumn } from "../design/editor";
+import { createBits } from "./bits";
 import { createPlayer } from "./game";
 
 const KEYS: Record<string, number> = {
@@ -14,6 +16,7 @@ const KEYS: Record<string, number> = {
 };
 const CAPS = [["↑", "→", "↓", "←"], ["W", "D", "S", "A"]] as const;
 const SIDES = ["north", "east", "south", "west"];
+const MOVES = Object.values(ARROWS);
 
 export function createPlay(app: App): View {
   const { store } = app;
@@ -23,6 +26,7 @@ export function createPlay(app: App): View {
   const state = h("p", { class: "quiet", id: "play-state", "aria-live": "polite" });
   const plan = h("p", { class: "quiet", id: "plan" });
   const player = createPlayer(app, draw);
+  const layer = createBits(app, draw);
   let active = false;
 
   const show = button("Show me", () => {
@@ -70,8 +74,10 @@ export function createPlay(app: App): View {
       goal: cellOf(world, world.goal),
       things: placement,
       tool,
+      values: active ? layer.under(placement) : null,
       label: rowColumn,
     });
+    board.picture.classList.toggle("waiting", layer.late());
     const steps = bits.length - 1;
     const last = bits.at(-1) ?? null;
     now.textContent = last === null ? "–" : last.toFixed(2);
@@ -88,8 +94,9 @@ export function createPlay(app: App): View {
     });
     const hand = attached ? "the can is attached" : equipped ? "the tool is in hand" : "";
     const after = `${steps} ${steps === 1 ? "step" : "steps"}`;
-    state.textContent = error ?? (ended ? `The can is in the bin after ${after}.` : [after, hand].filter(Boolean).join(" · "));
-    state.classList.toggle("fault", error !== null);
+    const fault = error ?? layer.fault();
+    state.textContent = fault || (ended ? `The can is in the bin after ${after}.` : [after, hand].filter(Boolean).join(" · "));
+    state.classList.toggle("fault", Boolean(fault));
     state.classList.toggle("good", ended);
     pads[1]!.classList.toggle("off", tool === "none");
     for (const key of pads[1]!.querySelectorAll("button")) key.disabled = tool === "none";
@@ -98,13 +105,28 @@ export function createPlay(app: App): View {
     if (!steps && !player.showing()) plan.textContent = "";
   }
 
+  /** The move that leads into the cell under the pointer, if it is beside the agent. */
+  function moveUnder(event: PointerEvent): number {
+    const cell = board.cellAt(event);
+    const [row, column] = player.game().placement.agent;
+    return MOVES.findIndex(([down, right]) => cell !== null && same(cell, [row + down, column + right]));
+  }
+  board.picture.addEventListener("pointerdown", (event) => {
+    const action = moveUnder(event);
+    if (action >= 0 && event.button === 0) player.act(action);
+  });
+  board.picture.addEventListener("pointermove", (event) => {
+    board.picture.dataset.over = moveUnder(event) >= 0 ? "beside" : "";
+  });
+
   addEventListener("keydown", (event) => {
     if (!active || event.ctrlKey || event.metaKey || event.altKey) return;
     const target = event.target as Element;
-    if (target.closest("input, select, textarea, dialog")) return;
+    if (target.closest("input:not([type=checkbox]), select, textarea, dialog")) return;
     const action = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (action !== undefined && !(action > 3 && store.scene().tool === "none")) player.act(action);
     else if (event.key === "r") player.reset();
+    else if (event.key === "b") layer.turn();
     else return;
     event.preventDefault();
   });
@@ -118,7 +140,8 @@ export function createPlay(app: App): View {
       "world",
       h("div", { class: "card-head" }, h("h2", {}, "Play"), h("span", { class: "quiet" }, "bring the can to the bin")),
       board.element,
-      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, show, reset), plan),
+      layer.scale,
+      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, show, reset, layer.toggle), plan),
     ),
     card(
       "Empowerment",

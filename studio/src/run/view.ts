@@ -2,12 +2,15 @@
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
-import type { RunAnswer } from "../core/protocol";
-import { cellOf } from "../core/scene";
+import type { Placement, RunAnswer } from "../core/protocol";
+import { cellOf, indexOf } from "../core/scene";
 import { parseMap } from "../core/world";
 import { createBoard } from "../draw/board";
+import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
-import { GRADIENT, scaleOf } from "../draw/heat";
+import { letDrag } from "../draw/dragging";
+import { scaleOf } from "../draw/heat";
+import { createScaleBar } from "../draw/scale";
 import { rowColumn } from "../design/editor";
 import { button, card, rename, segmented, select, slider } from "../frame/widgets";
 
@@ -21,13 +24,13 @@ export function createRun({ hello, connection, acted }: App): View {
   const told = h("p", { class: "quiet", id: "run-told", "aria-live": "polite" });
   const bars = h("ul", { class: "bars actions", id: "action-bars" });
   const index = h("span", { class: "run-index" });
-  const [low, high] = [h("span"), h("span")];
-  const bar = h("span", { class: "scale-bar" });
-  bar.style.background = GRADIENT;
-  const scale = h("div", { class: "scale" }, low, bar, high, h("span", { class: "scale-name" }, "value, with tool and can as they start"));
+  const scale = createScaleBar("value, with tool and can as they start", 1);
+  let which = 0;
+  let elsewhere: Placement | null = null; // where it is to begin, if not where the map has it
   let answer: RunAnswer | null = null;
   let shown: keyof typeof SHOWN = "both";
   let step = 0;
+  let moved: Placement | null = null; // while things are dragged
   let timer = 0;
   let active = false;
 
@@ -41,13 +44,24 @@ export function createRun({ hello, connection, acted }: App): View {
     step = value;
     draw();
   });
+  const back = button("From the start", () => begin(null), { id: "run-back", sign: "reset" });
   const play = button("Play", () => (timer ? stop() : go()), { id: "run-play", kind: "primary", sign: "play" });
 
-  function load(which: number): void {
+  /** Acts it out from there, or from where the map has everything. */
+  function begin(placement: Placement | null): void {
+    elsewhere = placement;
+    load();
+  }
+
+  function load(): void {
     stop();
     told.textContent = "Acting it out…";
     const name = acted.current()?.asked;
-    const body = name === undefined ? { index: which } : { index: which, name };
+    const body = {
+      index: which,
+      ...(name === undefined ? {} : { name }),
+      ...(elsewhere === null ? {} : { placement: elsewhere }),
+    };
     const asked = connection.ask<RunAnswer>("run", body, (next) => {
       if (next.progress !== undefined) return;
       asked.forget();
@@ -55,7 +69,7 @@ export function createRun({ hello, connection, acted }: App): View {
         told.textContent = next.error;
         return;
       }
-      [answer, step] = [next, 0];
+      [answer, step, moved] = [next, 0, null];
       steps.input.max = String(Math.max(1, last()));
       draw();
       if (active) go();
@@ -88,9 +102,10 @@ export function createRun({ hello, connection, acted }: App): View {
     else rename(play, "Play", "play");
     if (about === null || !answer?.episode) return;
     const { world } = parseMap(about.map);
-    const placement = answer.episode.placements[step]!;
+    const placement = moved ?? answer.episode.placements[step]!;
+    back.hidden = elsewhere === null;
     const values = answer.values?.flat().filter((value) => value !== null) ?? [];
-    const ends = scaleOf(Math.min(...values), Math.max(...values));
+    const [least, most] = [Math.min(...values), Math.max(...values)];
     const withValues = shown !== "policy" && values.length > 0;
     board.draw({
       height: world.height,
@@ -100,24 +115,23 @@ export function createRun({ hello, connection, acted }: App): View {
       things: about.tool === "none" ? { ...placement, tool: null } : placement,
       tool: about.tool,
       values: withValues
-        ? { grid: answer.values!, scale: ends, unlabelled: shown === "both" }
+        ? { grid: answer.values!, scale: scaleOf(least, most), unlabelled: shown === "both" }
         : null,
       arrows: shown === "values" ? null : (answer.policy?.cells ?? null),
       now: step < last() ? (answer.policy?.episode[step] ?? null) : null,
       label: rowColumn,
     });
-    scale.hidden = !withValues;
-    [low.textContent, high.textContent] = [ends.low, ends.high].map((end) =>
-      end.toFixed(1).replace("-", "−"),
-    ) as [string, string];
+    scale.show(withValues ? { least, most } : null);
     steps.show(step);
     drawBars(answer.policy?.episode[step] ?? null, answer.episode.actions[step]);
     const length = answer.episode.actions.length;
     const { finished, return: worth } = answer.episode;
-    const best = answer.best_return ?? worth;
+    const best = answer.episode.best_return ?? worth;
     const outcome = finished
       ? `the can is in the bin: return ${signed(worth)}, the best possible is ${signed(best)}`
-      : "and it goes in circles: the can never gets to the bin";
+      : answer.episode.best_return === null
+        ? "from where there is no way to the bin"
+        : "and it goes in circles: the can never gets to the bin";
     told.textContent = `${length} ${length === 1 ? "step" : "steps"}, ${outcome}.`;
     const curve = answer.curve;
     chart.draw({
@@ -147,6 +161,34 @@ export function createRun({ hello, connection, acted }: App): View {
     );
   }
 
+  /** Whether a thing may be put down there. */
+  function free(thing: keyof Placement, cell: Placement["agent"], among: Placement): boolean {
+    const { world } = parseMap(acted.current()!.map);
+    const others = (["agent", "tool", "object"] as const).filter((other) => other !== thing);
+    const taken = others.some((other) => among[other] && same(among[other], cell));
+    const done = thing === "object" && same(cell, cellOf(world, world.goal));
+    return !taken && !done && !world.walls[indexOf(world, cell)];
+  }
+
+  letDrag(
+    board,
+    () => {
+      const things = answer?.episode?.placements[step];
+      return things && acted.current()?.tool === "none" ? { ...things, tool: null } : (things ?? null);
+    },
+    (thing, cell) => {
+      const from = moved ?? answer!.episode!.placements[step]!;
+      if (timer) stop();
+      if (!free(thing, cell, from)) return;
+      moved = { ...from, [thing]: cell };
+      draw();
+    },
+    () => {
+      if (moved === null) return;
+      begin(moved);
+    },
+  );
+
   const full = h(
     "div",
     { class: "view run" },
@@ -155,9 +197,10 @@ export function createRun({ hello, connection, acted }: App): View {
       "world",
       h("div", { class: "card-head" }, title, index),
       board.element,
-      scale,
-      h("div", { class: "card-foot" }, play, layers.element),
+      scale.element,
+      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, play, back), layers.element),
       steps.element,
+      h("p", { class: "quiet" }, "Drag the agent, the tool or the can: it begins from there."),
     ),
     card(
       "What it learned",
@@ -182,19 +225,22 @@ export function createRun({ hello, connection, acted }: App): View {
     empty.hidden = about !== null;
     full.hidden = about === null;
     if (about === null) return;
-    answer = null;
+    [answer, moved, elsewhere, which] = [null, null, null, 0];
     title.textContent = title.title = about.name;
     const runs = Object.fromEntries(
       Array.from({ length: about.runs }, (_, k) => [String(k), `run ${k + 1} of ${about.runs}`]),
     );
-    index.replaceChildren(select("Which run", runs, (which) => load(Number(which))));
-    if (active) load(0);
+    index.replaceChildren(select("Which run", runs, (chosen) => {
+      which = Number(chosen);
+      load();
+    }));
+    if (active) load();
   });
   return {
     element,
     entered() {
       active = true;
-      if (acted.current() !== null && answer === null) load(0);
+      if (acted.current() !== null && answer === null) load();
       else draw();
     },
     left() {

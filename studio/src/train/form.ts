@@ -2,55 +2,33 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
+import type { Offered, Settings } from "../core/protocol";
 import { field, numberField, select } from "../frame/widgets";
 
-export interface Settings {
-  intrinsic: string;
-  horizon: number;
-  beta: number;
-  runs: number;
-  seed: number;
-  algorithm: string;
-  episodes: number;
-}
-
-const INTRINSIC: Record<string, string> = {
-  none: "None",
-  object: "Empowerment over the can",
-  state: "Empowerment over everything",
-  tool: "Empowerment over the tool",
-  agent: "Empowerment over the agent",
-  count: "Counts of visits",
-  rnd: "Random network distillation",
-};
-const ALGORITHMS: Record<string, string> = {
-  a2c: "A2C",
-  ppo: "PPO",
-  "q-learning": "Q-learning",
-  "soft-value-iteration": "Soft value iteration",
-};
+const NONE = "none"; // no intrinsic reward
 
 export function createForm({ hello }: App): { element: HTMLElement; settings: () => Settings } {
   const limits = hello.limits.training;
-  const intrinsic = select("Intrinsic reward", INTRINSIC, show);
+  const { first, ...offered } = hello.training;
+  const intrinsic = select("Intrinsic reward", offered.intrinsic, show);
   intrinsic.id = "intrinsic";
-  intrinsic.value = "object";
-  const algorithm = select("Algorithm", ALGORITHMS, () => undefined);
+  intrinsic.value = first.intrinsic;
+  const algorithm = select("Algorithm", offered.algorithms, () => undefined);
   algorithm.id = "algorithm";
+  algorithm.value = first.algorithm;
   const horizon = numberField("Steps ahead", {
-    id: "train-horizon", least: 1, most: hello.limits.horizon, step: 1, value: 3,
+    id: "train-horizon", least: 1, most: hello.limits.horizon, step: 1, value: first.horizon,
   });
-  const beta = numberField("Weight β", { id: "beta", least: 0, most: 10, step: 0.01, value: 0.08 });
-  const runs = numberField("Runs", { id: "runs", least: 1, most: limits.runs, step: 1, value: 5 });
-  const seed = numberField("Seed", { id: "seed", least: 0, most: 2 ** 32 - 1, step: 1, value: 0 });
+  const beta = numberField("Weight β", { id: "beta", least: 0, most: 10, step: 0.01, value: first.beta });
+  const runs = numberField("Runs", { id: "runs", least: 1, most: limits.runs, step: 1, value: first.runs });
+  const seed = numberField("Seed", { id: "seed", least: 0, most: 2 ** 32 - 1, step: 1, value: first.seed });
   const episodes = numberField("Episodes", {
-    id: "episodes", least: 1, most: limits.episodes, step: 1, value: 2000,
+    id: "episodes", least: 1, most: limits.episodes, step: 1, value: first.episodes,
   });
 
   function show(): void {
-    const name = intrinsic.value;
-    horizon.input.disabled = name === "none" || name === "count" || name === "rnd";
-    beta.input.disabled = name === "none";
+    horizon.input.disabled = offered.without_horizon.includes(intrinsic.value);
+    beta.input.disabled = intrinsic.value === NONE;
   }
   show();
   const value = ({ input }: { input: HTMLInputElement }) => Number(input.value);
@@ -77,9 +55,9 @@ export function createForm({ hello }: App): { element: HTMLElement; settings: ()
 }
 
 /** What tells a training from others, in a few words. */
-export function summary(settings: Settings, tool: string): string {
-  const { intrinsic, horizon, beta, algorithm, seed } = settings;
-  const reward = intrinsic === "none" ? "no intrinsic reward" : `${INTRINSIC[intrinsic] ?? intrinsic}`;
-  const details = [horizon ? `h ${horizon}` : "", beta ? `β ${beta}` : "", tool, ALGORITHMS[algorithm] ?? algorithm, `seed ${seed}`];
-  return [reward, ...details.filter(Boolean)].join(", ");
+export function summary(offered: Offered, settings: Settings, tool: string): string {
+  const { horizon, beta, seed } = settings;
+  const reward = settings.intrinsic === NONE ? "no intrinsic reward" : offered.intrinsic[settings.intrinsic];
+  const details = [horizon ? `h ${horizon}` : "", beta ? `β ${beta}` : "", tool];
+  return [reward, ...details, offered.algorithms[settings.algorithm], `seed ${seed}`].filter(Boolean).join(", ");
 }

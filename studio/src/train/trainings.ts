@@ -2,15 +2,17 @@
 
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
-import type { CurveData, SceneMessage, TrainAnswer } from "../core/protocol";
+import type { CurveData, SceneMessage, Settings, TrainAnswer } from "../core/protocol";
 import { message } from "../core/scene";
-import { summary, type Settings } from "./form";
+import { summary } from "./form";
 
 export interface Training {
   readonly id: number;
   readonly label: string;
   readonly settings: Settings;
   readonly scene: SceneMessage;
+  /** That of its folder. */
+  name: string | null;
   curve: CurveData | null;
   share: number;
   steps: number;
@@ -58,8 +60,8 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     const scene = message(store.scene());
     const training: Training = {
       id: trainings.length + 1,
-      label: summary(settings, scene.tool),
-      settings, scene,
+      label: summary(app.hello.training, settings, scene.tool),
+      settings, scene, name: null,
       curve: null, share: 0, steps: 0, episodes: 0, best: null, done: null, stopped: false,
       error: null, line: null,
     };
@@ -67,6 +69,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     draw(training);
     asked = connection.ask<TrainAnswer>("train", { scene, settings }, (answer) => {
       if (answer.error !== undefined) training.error = answer.error;
+      training.name = answer.name ?? training.name;
       if (answer.curve) training.curve = answer.curve;
       training.share = answer.share ?? answer.progress ?? training.share;
       training.steps = answer.steps ?? training.steps;

@@ -43,7 +43,7 @@ export function createTrain(app: App, openRun: () => void): View {
   }
 
   function rowOf(training: Training): HTMLElement {
-    const { label, line, error, done, share } = training;
+    const { label, line, error, done, share, name } = training;
     const check = h("input", {
       type: "checkbox",
       checked: line !== null,
@@ -57,7 +57,7 @@ export function createTrain(app: App, openRun: () => void): View {
       { class: `training ${line === null ? "" : `k${line}`}` },
       check,
       h("span", { class: "swatch", "aria-hidden": "true" }),
-      h("span", { class: "name" }, label),
+      h("span", { class: "name" }, label, app.hello.kept === null ? null : h("small", {}, name)),
       h("span", { class: error ? "fault" : "quiet" }, error ?? wordsOn(training)),
       done
         ? button("Watch", () => (trainings.watch(training), openRun()), { kind: "small" })
@@ -76,6 +76,7 @@ export function createTrain(app: App, openRun: () => void): View {
       form.element,
       h("div", { class: "buttons" }, start, stop),
       h("p", { class: "quiet" }, "On the world as it is drawn, from its start."),
+      h("p", { class: "quiet", id: "kept" }, whereKept(app.hello.kept)),
     ),
     card(
       "Curves",
@@ -86,6 +87,11 @@ export function createTrain(app: App, openRun: () => void): View {
     ),
   );
   return { element, entered: draw };
+}
+
+function whereKept(folder: string | null): string {
+  if (folder === null) return "Kept until the studio ends; habilis studio --out DIR keeps it for good.";
+  return `Kept in ${folder}, in a folder of the name below its curve.`;
 }
 
 function wordsOn({ done, stopped, steps, episodes, curve, settings }: Training): string {

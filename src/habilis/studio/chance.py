@@ -1,0 +1,42 @@
+"""Placements drawn at random, to estimate from what is too much to compute everywhere."""
+
+import numpy as np
+
+from habilis.studio.scenes import has_tool
+from habilis.worlds.reach import Placement
+from habilis.worlds.world import Cell, World
+
+_SIDES = ((-1, 0), (0, 1), (1, 0), (0, -1))
+_TRIES = 8  # draws for each placement; most are good
+
+
+def drawn(world: World, count: int, seed: int = 0) -> list[Placement]:
+    """Placements of those that averages go over, each as likely: with a tool, it is in hand.
+
+    Args:
+        world: the map.
+        count: how many at most.
+        seed: of the random numbers.
+
+    Returns:
+        The placements, for the same arguments the same.
+
+    Raises:
+        ValueError: the tool can never be in hand.
+    """
+    cells = [(row, column) for row in range(world.height) for column in range(world.width)]
+    free = [cell for cell in cells if cell not in world.walls]
+    held: list[tuple[Cell, ...]] = [(agent,) for agent in free]
+    if has_tool(world):
+        held = [(agent, tool) for agent in free for tool in _beside(agent) if tool in free]
+    if not held:
+        raise ValueError("there is no room to hold the tool; leave two free cells side by side")
+    random = np.random.default_rng(seed)
+    draws = random.integers((len(held), len(free)), size=(_TRIES * count, 2))
+    good = [(held[a], free[b]) for a, b in draws if free[b] not in held[a]]
+    names = ("agent", "tool")
+    return [dict(zip(names, hand, strict=False)) | {"object": at} for hand, at in good[:count]]
+
+
+def _beside(cell: Cell) -> list[Cell]:
+    return [(cell[0] + down, cell[1] + right) for down, right in _SIDES]

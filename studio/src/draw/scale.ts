@@ -1,0 +1,27 @@
+/** The scale under a board: its colours, their two ends, and what they are of. */
+
+import { h } from "../core/elements";
+import { GRADIENT } from "./heat";
+
+export interface ScaleBar {
+  readonly element: HTMLElement;
+  /** Shows what the colours mean, or nothing where there is nothing to show. */
+  show(ends: { least: number; most: number } | null): void;
+}
+
+export function createScaleBar(words: string, digits: number): ScaleBar {
+  const [least, most] = [h("span"), h("span")];
+  const bar = h("span", { class: "scale-bar" });
+  bar.style.background = GRADIENT;
+  const element = h("div", { class: "scale" }, least, bar, most, h("span", {}, words));
+  const inWords = (value: number) => value.toFixed(digits).replace("-", "−");
+  return {
+    element,
+    show(ends) {
+      element.hidden = ends === null;
+      if (ends === null) return;
+      least.textContent = inWords(ends.least);
+      most.textContent = inWords(ends.most);
+    },
+  };
+}

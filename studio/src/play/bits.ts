@@ -1,0 +1,63 @@
+/** The landscape over the board: the bits of every cell, tool and can being where they are now. */
+
+import type { App } from "../core/app";
+import type { Asked } from "../core/connection";
+import type { LandscapeAnswer, Placement } from "../core/protocol";
+import { message } from "../core/scene";
+import { scaleOf } from "../draw/heat";
+import { createScaleBar } from "../draw/scale";
+import type { Picture } from "../draw/board";
+import { toggle } from "../frame/widgets";
+
+export interface Bits {
+  readonly toggle: HTMLElement;
+  readonly scale: HTMLElement;
+  /** Switches the landscape on or off. */
+  turn(): void;
+  /** What to draw under things that are there; asks for it where that is not known yet. */
+  under(placement: Placement): NonNullable<Picture["values"]> | null;
+  /** Whether what is drawn is of an earlier placement. */
+  late(): boolean;
+  /** Why there is nothing to draw, if something is wrong. */
+  fault(): string;
+}
+
+export function createBits({ connection, store }: App, onChange: () => void): Bits {
+  const scale = createScaleBar("bits, were the agent there", 2);
+  const shown = toggle("Bits", "bits-layer", onChange);
+  let answer: LandscapeAnswer | null = null;
+  let asked: Asked | null = null;
+  let of = ""; // the question that was asked last
+  let late = false;
+
+  function ask(placement: Placement): void {
+    const body = { scene: message(store.scene()), placement };
+    const { tool, object } = placement;
+    const question = JSON.stringify([body.scene, tool, object]);
+    if (question === of) return;
+    asked?.forget();
+    [of, late] = [question, true];
+    asked = connection.ask<LandscapeAnswer>("landscape", body, (next) => {
+      if (next.progress !== undefined) return;
+      asked?.forget();
+      [answer, late] = [next, false];
+      onChange();
+    });
+  }
+
+  return {
+    toggle: shown.element,
+    scale: scale.element,
+    turn: shown.turn,
+    under(placement) {
+      if (shown.on()) ask(placement);
+      else [of, answer] = ["", null];
+      const { landscape, least, most } = answer ?? {};
+      const ends = landscape && least != null && most != null ? { least, most } : null;
+      scale.show(ends);
+      return ends && landscape ? { grid: landscape, scale: scaleOf(ends.least, ends.most) } : null;
+    },
+    late: () => shown.on() && late,
+    fault: () => answer?.error ?? "",
+  };
+}

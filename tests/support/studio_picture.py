@@ -1,0 +1,33 @@
+"""The picture of the studio in README.md.
+
+PYTHONPATH=tests/support python tests/support/studio_picture.py docs/studio.png
+"""
+
+import sys
+from pathlib import Path
+
+from playwright.sync_api import Browser, expect, sync_playwright
+from studio_page import CHROMIUM, LANDSCAPE, OPTIONS, STUCK, middle, served, settled, shown_averages
+
+POINTED = (8, 4)
+"""The cell of the yard that is pointed at: beside the can."""
+
+
+def take(browser: Browser, path: Path) -> None:
+    """Takes the picture: the yard as it is first shown, and what could be done from one cell."""
+    with served() as address:
+        size = {"width": 1280, "height": 664}
+        page = browser.new_page(viewport=size, color_scheme="light")  # type: ignore[arg-type]
+        page.goto(address)
+        settled(page)
+        shown_averages(page)
+        page.mouse.move(*middle(page, LANDSCAPE, POINTED))
+        expect(page.locator("#told")).to_contain_text("bits,", timeout=STUCK)
+        page.wait_for_timeout(300)  # until what moves has come to rest
+        page.screenshot(path=path)
+        page.close()
+
+
+if __name__ == "__main__":
+    with sync_playwright() as playwright:
+        take(playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS), Path(sys.argv[1]))
