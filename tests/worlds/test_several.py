@@ -200,7 +200,9 @@ def test_an_episode_ends_when_every_object_that_has_a_goal_is_in_it():
     assert mdp.reward[mdp.start, 1] == -1
     both = after(mdp, "east", "west", "west", "south", "east")
     assert mdp.terminal[both]
-    assert hb.solve(mdp).best_return == 1 - hb.solve(mdp).steps
+    plan = hb.solve(mdp)
+    assert plan is not None
+    assert plan.best_return == 1 - plan.steps
 
 
 # All of it: every placement that can be reached, and no other

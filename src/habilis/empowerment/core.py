@@ -208,7 +208,7 @@ def _counted(
 
     labels, label_count = observations(mdp, sensor)
     named = isinstance(sensor, str) and sensor != "state"
-    cells = named and mdp.is_cell(mdp.factor_named(sensor))
+    cells = named and mdp.is_cell(mdp.factor_named(str(sensor)))
     table = mdp.next_state
     if len(actions) < mdp.action_count:
         table = np.ascontiguousarray(table[:, actions])

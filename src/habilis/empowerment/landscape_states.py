@@ -35,12 +35,12 @@ def asked(
         mdp, states = reachable(shown, _placements(shown), whole_number("horizon", horizon))
         return shown, mdp.slippery(slip), states
     mdp = tabulate(world, slip) if mdp is None else mdp
-    tool = _only(world, "tool", world.tool_cell, tool)
-    object = _only(world, "object", world.object, object)
-    states = _states(mdp, tool, object)
+    tool_cell = _only(world, "tool", world.tool_cell, tool)
+    object_cell = _only(world, "object", world.object, object)
+    states = _states(mdp, tool_cell, object_cell)
     row, column = divmod(int(mdp.factor("agent")[states[0]]), world.width)
-    agent = (row, column) if world.agent in (tool, object) else world.agent
-    return replace(world, agent=agent, tool_cell=tool, object=object), mdp, states
+    agent = (row, column) if world.agent in (tool_cell, object_cell) else world.agent
+    return replace(world, agent=agent, tool_cell=tool_cell, object=object_cell), mdp, states
 
 
 def _only(world: World, kind: str, cell: Cell | None, where: Where | None) -> Any:

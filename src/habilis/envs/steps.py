@@ -43,6 +43,7 @@ def step(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params
 def step_alone(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params) -> Alone:
     """A step; an episode that has ended with it stays where it is."""
     actions = params.next_state.shape[-1]
+    of_tool = key
     if params.chance is not None:
         key, of_tool = jax.random.split(key)
     if params.slip is not None:
