@@ -221,7 +221,7 @@ def test_the_reward_may_have_the_bits_of_several_objects(sensor, both, small: hb
     env.reset(seed=0)
     info = env.step(EAST)[-1]
     assert info["empowerment"] == bits[info["state"]] > 0
-    envs = EmpowermentReward(WorldVectorEnv(small, num_envs=2), 2, sensor, beta=0.1)
+    envs = EmpowermentReward(WorldVectorEnv(2, small), 2, sensor, beta=0.1)
     envs.reset(seed=0)
     assert envs.step(np.array([EAST, EAST]))[-1]["empowerment"][1] == info["empowerment"]
     params = FunctionalEnv(small).with_empowerment(2, sensor, beta=0.1).default_params
