@@ -15,8 +15,8 @@ from habilis.worlds.world import Cell, World
 
 Placement = Mapping[str, Any]
 """The cells of "agent", "object" and, in a world with a tool, "tool"; of several things by name, as
-"object:can", and perhaps which tool is "held" and which was "laid" down and not left since: its place
-among the tools, -1 for none."""
+"object:can", and perhaps which tool is "held" and which was "laid" down and not left since: its
+place among the tools, -1 for none."""
 
 Keys = Int64[np.ndarray, "states"]
 
