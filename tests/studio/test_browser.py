@@ -37,6 +37,7 @@ from habilis.empowerment.landscape import landscape
 from habilis.empowerment.measures import compare
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement, tabulate
+from habilis.worlds.tools import TOOLS
 from habilis.worlds.world import World, load_world
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="apt-get install chromium")
@@ -86,8 +87,9 @@ def page(browser: Browser, address: str) -> Iterator[Page]:
 
 def test_shows_the_bits_and_averages_that_the_library_gives(page: Page):
     assert shown_bits(page) == true_bits(YARD, 3)
-    averages = {t: round(b, 2) for t, b in compare(YARD, ["picker", "broom", "none"], 3).items()}
-    assert shown_averages(page) == averages == {"picker": 0.52, "broom": 0.28, "none": 0.23}
+    averages = {t: round(b, 2) for t, b in compare(YARD, [*TOOLS, "none"], 3).items()}
+    assert shown_averages(page) == averages
+    assert averages.items() >= {"picker": 0.52, "broom": 0.28, "none": 0.23}.items()
     expect(page.locator("#verdict")).to_contain_text("The picker helps: 0.29 bits more")
     keep_picture(page, "design")
 

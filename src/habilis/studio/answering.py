@@ -161,7 +161,9 @@ async def futures(pools: Pools, client: Client, request: Request) -> None:
 
 
 async def solve(pools: Pools, client: Client, request: Request) -> None:
-    await client.tell(request.id, **await client.step(pools.slow, "plan", scene=_scene(request)))
+    at = request.values.get("placement")
+    found = await client.step(pools.slow, "plan", scene=_scene(request), at=at)
+    await client.tell(request.id, **found)
 
 
 async def step(pools: Pools, client: Client, request: Request) -> None:

@@ -21,7 +21,7 @@ futures  scene, agent [row, column]
          bits, gap, things [[row, column, probability]] of what is sensed
          (through the sensor "state": of the can), elsewhere (the probability
          of other cells), count of observations
-solve    scene
+solve    scene, perhaps placement, from which
          steps, return, actions, placements; or nulls, where the goal is out of
          reach
 step     scene, placement, action (an index; null: stay, to ask for its bits)
@@ -91,7 +91,7 @@ _FIELDS = {  # of each request: what it must have, and what it may have
     "landscape": (("scene",), ("placement",)),
     "read": (("scene",), ()),
     "futures": (("scene", "agent"), ()),
-    "solve": (("scene",), ()),
+    "solve": (("scene",), ("placement",)),
     "step": (("scene", "placement", "action"), ()),
     "train": (("scene", "settings"), ()),
     "stop": ((), ()),

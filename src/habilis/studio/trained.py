@@ -11,11 +11,9 @@ from habilis.learning.replay import learned, play, table_of
 from habilis.learning.runs import Run
 from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.studio import drawn
-from habilis.studio.work import Answer, placed
+from habilis.studio.work import Answer, placed, state_of
 from habilis.worlds.placements import Placement
 from habilis.worlds.plans import solve
-from habilis.worlds.reach import reachable
-from habilis.worlds.world import World
 
 _POINTS = 150  # of a curve: more than a page has room for
 _DIGITS = 5
@@ -52,7 +50,7 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
     """
     run = load_latest(folder)
     mdp = table_of(run)
-    start = mdp.start if at is None else _state(run.world, mdp, at)
+    start = mdp.start if at is None else state_of(run.world, mdp, at)
     episode = play(run, index, start)
     policy, values = learned(run, mdp, index)
     here = np.ones(mdp.states, bool)
@@ -83,21 +81,6 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
             "best_return": None if best is None else best.best_return,
         },
     } | _curve(run)
-
-
-def _state(world: World, mdp: TabularMDP, at: Placement) -> int:
-    """The state of a placement.
-
-    Raises:
-        ValueError: it is none, or was out of reach in training.
-    """
-    asked, states = reachable(world, at, 0)
-    same = np.ones(mdp.states, bool)
-    for name in mdp.factors:
-        same &= mdp.factor(name) == asked.factor(name)[states[0]]
-    if not same.any():
-        raise ValueError("no training began where that can be reached from; drag it elsewhere")
-    return int(np.flatnonzero(same)[0])
 
 
 def rounded(values: np.ndarray) -> Any:

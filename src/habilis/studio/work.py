@@ -115,17 +115,22 @@ def choices(scene: Scene, agent: list[int]) -> Answer:
     }
 
 
-def plan(scene: Scene) -> Answer:
-    """A shortest plan, and the placements that it passes through."""
-    mdp = _all(scene.world)
-    found = solve(mdp)
+def plan(scene: Scene, at: Placement | None = None) -> Answer:
+    """A shortest plan from a placement, by default the map's, and what it passes through."""
+    world = scene.world
+    if world.several:
+        mdp, start = _within_reach(world, scene.placement if at is None else at)
+    else:
+        mdp = tabulate(world)
+        start = mdp.start if at is None else state_of(world, mdp, at)
+    found = solve(mdp, start)
     if found is None:
         return {"steps": None, "return": None, "actions": None, "placements": None}
     return {
         "steps": found.steps,
         "return": found.best_return,
         "actions": list(found.actions),
-        "placements": [placed(scene.world, mdp, state) for state in found.states],
+        "placements": [placed(world, mdp, state) for state in found.states],
     }
 
 
@@ -167,17 +172,33 @@ def _led(mdp: TabularMDP, state: int, action: int) -> int:
     return int(random.choices(row.indices, row.data)[0])
 
 
-def _all(world: World) -> TabularMDP:
-    """The table of a world; of several things, of what can be reached."""
-    if not world.several:
-        return tabulate(world)
+def _within_reach(world: World, at: Placement) -> tuple[TabularMDP, int]:
+    """All that can be reached from a placement, and its state."""
     try:
-        return reachable(world, start_of(world), None, _MOST)[0]
-    except ValueError:
+        mdp, states = reachable(world, at, None, _MOST)
+    except ValueError as error:
+        if "more than" not in str(error):
+            raise
         raise ValueError(
             f"more than {_MOST:,} placements can be reached; take things away, or make the map "
             "smaller"
         ) from None
+    return mdp, int(states[0])
+
+
+def state_of(world: World, mdp: TabularMDP, at: Placement) -> int:
+    """The state of a placement in a table of its world.
+
+    Raises:
+        ValueError: it is no placement, or the table has none such.
+    """
+    asked, states = reachable(world, at, 0)
+    same = np.ones(mdp.states, bool)
+    for name in mdp.factors:
+        same &= mdp.factor(name) == asked.factor(name)[states[0]]
+    if not same.any():
+        raise ValueError("that cannot be reached from where episodes begin; put things elsewhere")
+    return int(np.flatnonzero(same)[0])
 
 
 def placed(world: World, mdp: TabularMDP, state: int) -> dict[str, Any]:
