@@ -9,7 +9,7 @@ from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_latest
 from habilis.learning.replay import learned, play, table_of
 from habilis.learning.runs import Run
-from habilis.mdp import HELD, LAID, TabularMDP
+from habilis.mdp import HELD, LAID
 from habilis.studio import drawn
 from habilis.studio.work import Answer, placed, state_of
 from habilis.worlds.placements import Placement

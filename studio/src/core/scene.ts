@@ -1,7 +1,7 @@
 /** A world and the question asked about it: all that a link to the page says. */
 
 import type { ActionSet, Cell, Placement, SceneMessage, Sensor, Words } from "./protocol";
-import { drawnOf, namesOf, several, type Tool, type World } from "./world";
+import { drawnOf, libraryOrder, namesOf, several, type Tool, type World } from "./world";
 
 export interface Scene {
   readonly world: World;
@@ -64,7 +64,7 @@ export function message(scene: Scene): SceneMessage {
     drawn: drawnOf(world),
     ...(bare ? { tool: NO_TOOL } : {}),
     sensor,
-    thing,
+    thing: libraryOrder(sensor === "tool" ? toolsOf(scene) : world.objects).indexOf(thing),
     cells: sensor === "cells" ? cells.map((cell) => cellOf(world, cell)) : [],
     horizon,
     actions: toolsOf(scene).length ? actions : "all",
@@ -95,12 +95,13 @@ function factors(world: World, tools: readonly Tool[]): { tools: string[]; objec
 export function inWords(world: World, tools: readonly Tool[], placement: Placement): Words {
   const names = factors(world, tools);
   const { agent, held, laid } = placement;
+  const place = (of: number) => (of < 0 ? of : libraryOrder(tools).indexOf(of));
   return {
     agent,
     ...Object.fromEntries(names.tools.map((name, of) => [name, placement.tools[of]!])),
     ...Object.fromEntries(names.objects.map((name, of) => [name, placement.objects[of]!])),
-    ...(held === undefined ? {} : { held }),
-    ...(laid === undefined ? {} : { laid }),
+    ...(held === undefined ? {} : { held: place(held) }),
+    ...(laid === undefined ? {} : { laid: place(laid) }),
   };
 }
 
@@ -108,11 +109,12 @@ export function inWords(world: World, tools: readonly Tool[], placement: Placeme
 export function placementOf(world: World, tools: readonly Tool[], words: Words): Placement {
   const names = factors(world, tools);
   const { held, laid } = words as { held?: number; laid?: number };
+  const which = (place: number) => libraryOrder(tools)[place] ?? place;
   return {
     agent: words["agent"] as Cell,
     tools: names.tools.map((name) => words[name] as Cell),
     objects: names.objects.map((name) => words[name] as Cell),
-    ...(held === undefined ? {} : { held }),
-    ...(laid === undefined ? {} : { laid }),
+    ...(held === undefined ? {} : { held: which(held) }),
+    ...(laid === undefined ? {} : { laid: which(laid) }),
   };
 }

@@ -144,13 +144,25 @@ function settled(world: World, thing: Standing, near: number): World {
   return put({ ...world, walls: world.walls.with(cell, false) }, thing, cell);
 }
 
+/** The places of things in the order in which the library has them: as a map is read, goals first. */
+export function libraryOrder(things: readonly (Tool | Thing)[]): number[] {
+  const late = (of: number) => Number("goal" in things[of]! && (things[of] as Thing).goal === null);
+  return things
+    .map((_, of) => of)
+    .sort((a, b) => late(a) - late(b) || things[a]!.cell - things[b]!.cell);
+}
+
 /** Names for things by their kinds: the second can is "can2". */
-export function namesOf(things: readonly { kind: string }[]): string[] {
-  const kinds = things.map(({ kind }) => kind.split(":").at(-1)!);
-  return kinds.map((kind, place) => {
-    const before = kinds.slice(0, place).filter((other) => other === kind).length;
-    return before ? `${kind}${before + 1}` : kind;
-  });
+export function namesOf(things: readonly (Tool | Thing)[]): string[] {
+  const names: string[] = [];
+  const count = new Map<string, number>();
+  for (const of of libraryOrder(things)) {
+    const kind = things[of]!.kind.split(":").at(-1)!;
+    const before = count.get(kind) ?? 0;
+    count.set(kind, before + 1);
+    names[of] = before ? `${kind}${before + 1}` : kind;
+  }
+  return names;
 }
 
 /** Whether there is more than one tool or object, or tools can be put down. */
@@ -158,8 +170,10 @@ export function several({ tools, objects, drop }: World): boolean {
   return tools.length > 1 || objects.length > 1 || (drop && tools.length > 0);
 }
 
-/** As the server has it. */
+/** As the server has it: things in the library's order. */
 export function drawnOf(world: World): Drawn {
+  const tools = libraryOrder(world.tools).map((of) => world.tools[of]!);
+  const objects = libraryOrder(world.objects).map((of) => world.objects[of]!);
   const at = (cell: number): Cell => [Math.floor(cell / world.width), cell % world.width];
   const row = (k: number) => world.walls.slice(k * world.width, (k + 1) * world.width);
   return {
@@ -167,8 +181,8 @@ export function drawnOf(world: World): Drawn {
       row(k).map((wall) => (wall ? "#" : ".")).join(""),
     ).join("\n"),
     agent: at(world.agent),
-    tools: world.tools.map((tool) => ({ ...tool, cell: at(tool.cell) })),
-    objects: world.objects.map(({ kind, cell, goal }) => ({
+    tools: tools.map((tool) => ({ ...tool, cell: at(tool.cell) })),
+    objects: objects.map(({ kind, cell, goal }) => ({
       kind, cell: at(cell), goal: goal === null ? null : at(goal),
     })),
     drop: world.drop,

@@ -42,7 +42,7 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
       hello.tools.map((tool) => [
         tool,
         tool === NO_TOOL
-          ? ["No tool"]
+          ? ["None"]
           : [icon(drawingOf(tool), 20), h("span", { class: "segment-name" }, nameOfTool(tool))],
       ]),
     ),
@@ -114,5 +114,6 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
 /** A tool of one's own goes by its file and class; the class says enough. */
 export function nameOfTool(tool: string): string {
   const name = tool.split(":").at(-1)!;
-  return name === "none" ? "No tool" : name[0]!.toUpperCase() + name.slice(1);
+  if (name === "none") return "No tool";
+  return name[0]!.toUpperCase() + name.slice(1) + (tool.includes(":") ? " (yours)" : "");
 }

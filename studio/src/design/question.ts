@@ -4,7 +4,7 @@ import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { ActionSet, Sensor } from "../core/protocol";
 import { ACTION_SETS, SENSORS, toolsOf, type Scene } from "../core/scene";
-import { namesOf } from "../core/world";
+import { namesOf, type Thing, type Tool } from "../core/world";
 import { field, segmented, select, slider } from "../frame/widgets";
 
 export function createQuestion({ hello, store }: App): HTMLElement {
@@ -63,7 +63,7 @@ export function createQuestion({ hello, store }: App): HTMLElement {
 function choices(scene: Scene): Record<string, string> {
   const { world } = scene;
   const tools = toolsOf(scene);
-  const named = (sensor: Sensor, things: readonly { kind: string }[], only: string) =>
+  const named = (sensor: Sensor, things: readonly (Tool | Thing)[], only: string) =>
     namesOf(things).map((name, of) => [
       of ? `${sensor} ${of}` : sensor,
       things.length > 1 || sensor === "object" ? capital(name) : only,

@@ -135,6 +135,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
       if (of !== turn || answer.progress !== undefined) return;
       asked.forget();
       if (answer.error !== undefined) {
+        stop();
         game = { ...game, error: answer.error };
         return onChange();
       }

@@ -33,7 +33,10 @@ export function createPlay(app: App): View {
 
   const show = button("Show me", () => {
     if (player.showing()) player.stop();
-    else player.showPlan(tellPlan);
+    else {
+      plan.textContent = "Looking for the shortest plan…";
+      player.showPlan(tellPlan);
+    }
     draw();
   }, { id: "show-me", kind: "primary", sign: "play" });
   const reset = button("Start again", player.reset, { id: "reset", sign: "reset" });
