@@ -62,12 +62,13 @@ def worlds(args: Args) -> int:
         from habilis.worlds.pictures import save_picture
 
         save(args.out, lambda path: save_picture(world, path))
-    header = list(header_of(world)) if world.several else []
+    header = header_of(world)
     if args.json:
         told = {"name": world.name, "height": world.height, "width": world.width}
         told |= {"tool": world.tool, "map": list(world.rows)}
-        if world.several:
+        if header:
             told |= {"header": header}
+        if world.several:
             told |= {"tools": [tool.name for tool in world.tools]}
             told |= {"objects": [thing.name for thing in world.objects]}
         return print_json(told)

@@ -313,7 +313,14 @@ class TabularMDP:
         raise ValueError(f"{what} {name!r} {problem}; {mend}")
 
     def is_cell(self, name: str) -> bool:
-        """Whether a factor's labels are cells of a map."""
+        """Whether a factor's labels are cells of a map.
+
+        Args:
+            name: of the factor, in full.
+
+        Returns:
+            Not for "held" and "laid", and in an MDP without a map for none.
+        """
         return self.shape is not None and name not in (HELD, LAID)
 
     def label(self, cell: tuple[int, int]) -> int:

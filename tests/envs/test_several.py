@@ -205,3 +205,24 @@ def test_measures_of_several_things_are_in_info(small: hb.World):
     bits = hb.empowerment(hb.tabulate(small), 2, "object:can2")
     info = env.reset(seed=0)[1]
     assert info["ball"] == bits[info["state"]]
+
+
+@pytest.mark.parametrize(
+    ("sensor", "both"),
+    [
+        ("object:can + object:can2", lambda one, other: one + other),
+        ("object:can*object:can2", lambda one, other: one * other),
+    ],
+)
+def test_the_reward_may_have_the_bits_of_several_objects(sensor, both, small: hb.World):
+    alone = [hb.empowerment(hb.tabulate(small), 2, name) for name in ("object:can", "object:can2")]
+    bits = both(*alone)
+    env = EmpowermentReward(WorldEnv(small), 2, sensor, beta=0.1)
+    env.reset(seed=0)
+    info = env.step(EAST)[-1]
+    assert info["empowerment"] == bits[info["state"]] > 0
+    envs = EmpowermentReward(WorldVectorEnv(2, small), 2, sensor, beta=0.1)
+    envs.reset(seed=0)
+    assert envs.step(np.array([EAST, EAST]))[-1]["empowerment"][1] == info["empowerment"]
+    params = FunctionalEnv(small).with_empowerment(2, sensor, beta=0.1).default_params
+    np.testing.assert_array_equal(params.empowerment.bits, bits.astype(np.float32))

@@ -225,7 +225,7 @@ def test_of_one_tool_and_object_the_table_is_part_of_the_whole_one():
     assert np.array_equal(whole.flags["attached"][here], part.flags["attached"])
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(worlds(), st.data())
 def test_every_step_is_as_the_rules_say_word_by_word(world, data):
     mdp = hb.tabulate(world, max_states=200_000)
@@ -272,3 +272,25 @@ def test_hands_that_there_are_not_are_refused(hands, message):
     world = hb.World.parse("R = rake\ndrop: true\nAP..\n.C.R\n...G\n####")
     with pytest.raises(ValueError, match=message):
         reachable(world, start_of(world) | hands, 0)
+
+
+# Maps written as text
+
+
+def test_a_map_is_written_with_the_characters_that_its_kinds_usually_have():
+    rows = "AP..R\n.C.D.\nHE..G\n"
+    above = "P = picker slip 0.2\nR = rake\nD = ball\nE = crate\nG = goal of C\nH = goal of D\n"
+    assert hb.World.parse(above + "drop: true\n" + rows).text() == above + "drop: true\n" + rows
+    other = "V = ball\nB = goal of V\nW = rake\nX = crate\nP = picker slip 0.2\nG = goal of C\n"
+    other += "drop: true\nAP..W\n.C.V.\nBX..G\n"
+    assert hb.World.parse(other) == hb.World.parse(above + "drop: true\n" + rows)
+
+
+def test_characters_of_further_things_are_not_those_of_others():
+    above = "X = picker\nY = can\nZ = goal of Y\nG = goal of C\nV = rake\nW = rake\n"
+    world = hb.World.parse(above + "AP.XG\nC.Y.Z\nV...W\n")
+    assert world.text() == (
+        "Q = picker\nR = rake\nT = rake\nD = can\nG = goal of C\nH = goal of D\n"
+        "AP.QG\nC.D.H\nR...T\n"
+    )
+    assert hb.World.parse(world.text()) == world

@@ -1,6 +1,6 @@
 """Tables: placements a second."""
 
-from habilis.benchmarks import Result, best_seconds
+from habilis.benchmarks import Result, best_seconds, placements
 from habilis.benchmarks.counting import room
 from habilis.worlds.plans import solve
 from habilis.worlds.table import tabulate
@@ -16,4 +16,4 @@ def results() -> list[Result]:
         lines.append(Result("tabulate", mdp.states / seconds / 1e6, "M states/s", note))
     mdp = tabulate(load_world("corridor"))
     lines.append(Result("solve", 1e3 * best_seconds(lambda: solve(mdp)), "ms", "corridor"))
-    return lines
+    return lines + placements.results()

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.cache import fingerprint, kept
+from habilis.empowerment.combined import combined
 from habilis.empowerment.core import Options, empowerment
 from habilis.empowerment.sensors import Sensor, is_noisy, observation_probabilities, observations
 from habilis.mdp import TabularMDP
@@ -31,7 +32,7 @@ def kept_empowerment(
 
     Args:
         mdp: the table.
-        horizon, sensor, actions: as in `empowerment`.
+        horizon, sensor, actions: as in `empowerment`; or several sensors, as in `combined`.
         folder: where values are kept; by default `$XDG_CACHE_HOME/habilis`, or `~/.cache/habilis`.
         **options: of `empowerment`.
 
@@ -41,6 +42,17 @@ def kept_empowerment(
     Raises:
         ValueError: as in `empowerment`.
     """
+    return combined(sensor, lambda one: _kept(mdp, horizon, one, actions, folder, options))
+
+
+def _kept(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Sequence[int] | None,
+    folder: Path | None,
+    options: Options,
+) -> Float64[np.ndarray, "S"]:
     seen = (
         observation_probabilities(mdp, sensor) if is_noisy(sensor) else observations(mdp, sensor)[0]
     )

@@ -146,7 +146,7 @@ class FunctionalEnv:
         `params.empowerment.weights["beta"]`.
 
         Args:
-            horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`.
+            horizon, sensor, actions: of the empowerment M, as in `EmpowermentReward`.
             beta, earned, terminal_bonus, extrinsic, discount: as in `EmpowermentReward`.
 
         Returns:

@@ -69,7 +69,9 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         """
         Args:
             env: an environment, or a vector environment.
-            horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`.
+            horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`; or, as in
+                "object:can + object:ball" and "object:can*object:ball", the sum or product of M
+                through several sensors.
             beta: its weight, in reward a bit.
             beta_schedule: "constant", "linear" or "exponential".
             beta_steps: environment steps after which beta is 0 (linear) or has halved

@@ -10,6 +10,7 @@ from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from habilis.empowerment import empowerment
 from habilis.empowerment.bonus import regularised
+from habilis.empowerment.combined import combined, terms_of
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Numbers
@@ -43,24 +44,7 @@ def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
     """
     if config.intrinsic in (NO_INTRINSIC, *NOVELTIES):
         return np.zeros(mdp.states)
-    terms = terms_of(config.intrinsic)
-    bits = {
-        name: empowerment(mdp, config.horizon, name)
-        for name in dict.fromkeys(name for term in terms for name in term)
-    }
-    return np.sum([np.prod([bits[name] for name in term], axis=0) for term in terms], axis=0)
-
-
-def terms_of(intrinsic: str) -> list[list[str]]:
-    """The sensors whose empowerments are multiplied in each term of a sum.
-
-    Example:
-        >>> terms_of("object:can + object:can2")
-        [['object:can'], ['object:can2']]
-        >>> terms_of("object:can*object:can2")
-        [['object:can', 'object:can2']]
-    """
-    return [[name.strip() for name in term.split("*")] for term in intrinsic.split("+")]
+    return combined(config.intrinsic, lambda name: empowerment(mdp, config.horizon, name))
 
 
 def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from habilis.worlds.characters import AGENT, BINDS, FLOOR, GOAL, OBJECT, TOOL, WALL
 from habilis.worlds.map_text import DROP
-from habilis.worlds.things import CAN, Cell, PlacedTool
-from habilis.worlds.tools import UNBOUND
+from habilis.worlds.things import CAN, OBJECTS, Cell, PlacedTool
+from habilis.worlds.tools import TOOLS, UNBOUND
 
 if TYPE_CHECKING:
     from habilis.worlds.world import World
@@ -32,16 +32,19 @@ class Mark:
 
 def marks_of(world: "World") -> list[Mark]:
     """All that stands on a map besides walls, the goals first: what is on them hides them."""
-    free = _Characters({WALL, FLOOR, AGENT})
+    alone = len(world.objects) == 1
+    usual_ones = [OBJECT if alone else OBJECTS[thing.kind].character for thing in world.objects]
+    known = (rule.character for rule in (*world.rules, *TOOLS.values()))
+    free = _Characters({WALL, FLOOR, AGENT}, {OBJECT, GOAL, *usual_ones, *known})
     goals, objects = [], []
-    for place, thing in enumerate(world.objects):
-        character = free.take(OBJECT if place == 0 or thing.kind == CAN else thing.kind[0].upper())
+    for thing, wanted in zip(world.objects, usual_ones, strict=True):
+        character = free.take(wanted)
         usual = character == OBJECT and thing.kind == CAN
         binds = "" if usual else _bound(character, thing.kind)
         objects.append(Mark(character, thing.cell, OBJECT, binds))
         if thing.goal is not None:
             goal = free.take(GOAL)
-            of = _bound(goal, f"goal of {character}") if world.more_objects else ""
+            of = _bound(goal, f"goal of {character}") if not alone else ""
             goals.append(Mark(goal, thing.goal, GOAL, of))
     tools = []
     for tool, rule in zip(world.tools, world.rules, strict=True):
@@ -52,8 +55,13 @@ def marks_of(world: "World") -> list[Mark]:
 
 
 def header_of(world: "World") -> list[str]:
-    """The lines above the map."""
-    bound = [mark.binding for mark in marks_of(world) if mark.binding]
+    """The lines above the map: tools, objects, then the goals of these."""
+    bound = [
+        mark.binding
+        for role in (TOOL, OBJECT, GOAL)
+        for mark in marks_of(world)
+        if mark.role == role and mark.binding
+    ]
     return [*bound, *([f"{DROP}: true"] if world.drop else [])]
 
 
@@ -63,14 +71,16 @@ def binding(character: str, kind: str) -> str:
 
 
 class _Characters:
-    """Characters that are still free."""
+    """Characters that are still free, where some are kept for what usually has them."""
 
-    def __init__(self, taken: set[str]):
-        self.taken = taken
+    def __init__(self, taken: set[str], usual: set[str]):
+        self.taken, self.usual = taken, usual
 
     def take(self, wanted: str) -> str:
-        """The one that is wanted, or another."""
-        one = next(c for c in (wanted, *ascii_uppercase) if c not in self.taken)
+        """The one that is wanted, or one of the next."""
+        after = [*ascii_uppercase[ascii_uppercase.find(wanted) + 1 :], *ascii_uppercase]
+        unusual = [character for character in after if character not in self.usual]
+        one = next(c for c in (wanted, *unusual, *after) if c not in self.taken)
         self.taken.add(one)
         return one
 

@@ -97,8 +97,8 @@ def check_certain(world: World) -> World:
     for tool in world.tools:
         if tool.slip:
             raise ValueError(
-                f"{world.name}: the tool {tool.name!r} has slip {tool.slip:g}, and what it does is "
-                "then no plan's to say; leave out its slip"
+                f"{world.name}: the tool {tool.name!r} has slip {tool.slip:g}: with chance there "
+                "is no shortest plan, and agents do not train; leave out its slip"
             )
     return world
 

@@ -15,19 +15,21 @@ class ObjectKind:
     """What moves an object.
 
     Attributes:
+        character: that usually stands for it on a map.
         pulled: whether tools may hold, pull and draw it; if not, it can only be pushed.
         slides: whether it goes on in the direction in which it was moved until something stops it.
     """
 
+    character: str
     pulled: bool = True
     slides: bool = False
 
 
 CAN = "can"
 OBJECTS: dict[str, ObjectKind] = {
-    CAN: ObjectKind(),
-    "ball": ObjectKind(slides=True),
-    "crate": ObjectKind(pulled=False),
+    CAN: ObjectKind("C"),
+    "ball": ObjectKind("D", slides=True),
+    "crate": ObjectKind("E", pulled=False),
 }
 
 

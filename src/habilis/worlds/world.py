@@ -34,6 +34,8 @@ class World:
         tool_slip: the probability that what the tool does to objects fails.
         more_tools, more_objects: the others of a map with several; `tools` and `objects` are all.
         drop: whether there is a ninth action, which puts the tool in hand down.
+        held: which of `tools` is in hand at the start, -1 for none; `None`: the first beside the
+            agent.
     """
 
     name: str
@@ -90,11 +92,13 @@ class World:
     def parse(cls, text: str, name: str = "map", folder: Path | None = None) -> "World":
         r"""Reads a map: one character a cell, lines starting with `;` are comments.
 
-        Above the map, lines such as `R = mytools.py:Rake` or `X = broom` bind a character to a tool
-        of one's own or to a built-in one.
+        Above the map, lines bind characters: `R = rake` to a tool, `R = mytools.py:Rake` to one of
+        one's own, `P = picker slip 0.2` to one that may fail, `D = ball` to an object, `H = goal of
+        D` to its goal. `drop: true` adds the action that puts a tool down.
 
         Args:
-            text: `#` wall, `.` floor, `A` agent, `P` picker, `B` broom, `C` can, `G` goal.
+            text: `#` wall, `.` floor, `A` agent, `P` picker, `B` broom, `C` can, `G` goal, and what
+                is bound.
             name: what to call the world; errors begin with it.
             folder: where the files of tools are looked for before the working directory.
 
@@ -103,14 +107,15 @@ class World:
 
         Raises:
             ValueError: the map is ragged or empty, has an unknown character or one of them twice,
-                has no agent, object or goal, or a goal of no object, or a tool of one's own is
-                none. The message names line and column (both from 1) and the mend.
+                has no agent, object or goal, or a goal of no object, or a line above it binds to
+                nothing known. The message names line and column (both from 1) and the mend.
 
         Example:
             >>> World.parse("AP.CG").tool
             'picker'
-            >>> World.parse("X = broom\nAX.CG").tool
-            'broom'
+            >>> several = World.parse("X = broom\nD = ball\nG = goal of C\nAX.CG\nP..D.")
+            >>> [tool.name for tool in several.tools], [thing.name for thing in several.objects]
+            (['broom', 'picker'], ['can', 'ball'])
         """
         return cls(**parsed(text, name, folder))
 
