@@ -155,7 +155,7 @@ def sweep(args: Args) -> int:
 
 
 def study(args: Args) -> int:
-    studies = import_from("habilis.studies.comparing.command", "learn")
+    studies = import_from("habilis.studies.learners", "learn")
     show = import_from("habilis.sweeps.command", "learn")
     try:
         with show.progress_bar() as on_progress:

@@ -7,8 +7,8 @@ STEPS = 1_500_000
 CASES = (Case("pair", world_of(__package__ or "", "pair")),)
 
 VANILLA = "A2C"
-SUM, PRODUCT = "A2C, sum of both", "A2C, product of both"
-FIRST, SECOND = "A2C, of the first", "A2C, of the second"
+SUM, PRODUCT = "A2C + sum of both cans", "A2C + product of both cans"
+FIRST, SECOND = "A2C + first can", "A2C + second can"
 
 AGENTS = (
     Agent.of(VANILLA),

@@ -13,9 +13,9 @@ CASES = tuple(
 
 AGENTS = (
     Agent.of("A2C"),
-    Agent.of("A2C, object empowerment", "object"),
+    Agent.of("A2C + object empowerment", "object"),
     Agent.of("PPO", algorithm="ppo"),
-    Agent.of("PPO, object empowerment", "object", algorithm="ppo"),
+    Agent.of("PPO + object empowerment", "object", algorithm="ppo"),
 )
 
-PAIRS = tuple((f"{learner}, object empowerment", learner) for learner in ("A2C", "PPO"))
+PAIRS = tuple((f"{learner} + object empowerment", learner) for learner in ("A2C", "PPO"))

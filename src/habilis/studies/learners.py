@@ -1,4 +1,4 @@
-"""Studies, from training to page."""
+"""The studies of learning to choose, from training to page."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
