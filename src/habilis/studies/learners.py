@@ -94,7 +94,7 @@ def _tried(study: Study, budget: Budget) -> list[Point]:
         for case in study.cases
         for agent in study.agents
         if agent.has_bonus
-        for beta in BETAS
+        for beta in budget.betas
         for point in points_of(study, case, agent, beta, budget, tried=True)
     ]
 

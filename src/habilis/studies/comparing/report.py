@@ -10,7 +10,7 @@ import polars as pl
 from habilis.learning.checkpoints import write_whole
 from habilis.learning.folder import saving
 from habilis.studies.comparing.analysis import Comparison, comparisons, sentences, summary
-from habilis.studies.comparing.study import BETAS, HORIZON, QUICK, Budget, Study
+from habilis.studies.comparing.study import HORIZON, QUICK, Budget, Study
 from habilis.studies.page import inlined, render
 from habilis.worlds.pictures import save_figure
 
@@ -64,7 +64,7 @@ def write_report(answers: Sequence[Answer], budget: Budget, folder: Path) -> Non
             "studies.html",
             sections=[_section(answer, budget) for answer in answers],
             figure=lambda name: inlined(folder / f"{name}.svg"),
-            betas=BETAS,
+            betas=budget.betas,
             horizon=HORIZON,
             budget=budget,
             quick=budget is QUICK,

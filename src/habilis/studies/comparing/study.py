@@ -90,15 +90,17 @@ class Budget:
         runs: of every agent in every case.
         tried: of every weight of every bonus, with other random numbers, to choose among them.
         most: steps of the environment at most, whatever the study asks for.
+        betas: the weights that are tried.
     """
 
     runs: int
     tried: int
     most: int
+    betas: tuple[float, ...] = BETAS
 
 
 FULL = Budget(runs=10, tried=3, most=10**9)
-QUICK = Budget(runs=2, tried=1, most=20_000)
+QUICK = Budget(runs=2, tried=1, most=20_000, betas=BETAS[:1])
 
 
 @dataclass(frozen=True, eq=False)
