@@ -9,7 +9,7 @@ import numpy as np
 
 import habilis
 from habilis.cli_arguments import COMPARED, OPTIONS, PREFIX, Args, Verb, parser
-from habilis.cli_learning import plot, sweep, train, watch
+from habilis.cli_learning import plot, study, sweep, train, watch
 from habilis.cli_output import console, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
 from habilis.worlds.map_writing import header_of
@@ -358,6 +358,7 @@ _VERBS: dict[str, Verb] = {
         plot,
         sweep,
         reproduce,
+        study,
         reconstruct,
         studio,
         bench,

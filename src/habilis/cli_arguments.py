@@ -188,6 +188,17 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--quick", action="store_true", help="few runs and episodes, in 3 minutes")
 
     v = verb(
+        "study",
+        "train agents where there are several tools, objects or placements, and compare rewards",
+        "habilis study choosing two-goals unseen --out studies",
+    )
+    text = "choosing, two-goals, unseen (default: all three)"
+    v.add_argument("names", nargs="*", metavar="NAME", help=text)
+    v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
+    v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
+    v.add_argument("--quick", action="store_true", help="so little that it says nothing: a trial")
+
+    v = verb(
         "reconstruct",
         "search for maps that meet stated numbers, since the paper's own cannot be had",
         "habilis reconstruct corridor --count 6 --seed 0 --out maps",

@@ -152,3 +152,24 @@ def sweep(args: Args) -> int:
         return print_json(result)
     command.show(result)
     return 0
+
+
+def study(args: Args) -> int:
+    studies = import_from("habilis.studies.learners", "learn")
+    show = import_from("habilis.sweeps.command", "learn")
+    try:
+        with show.progress_bar() as on_progress:
+            answers = studies.run_studies(
+                args.names, args.out, args.quick, args.resume, on_progress
+            )
+    except KeyboardInterrupt as stop:
+        return refuse(str(stop) or "interrupted", status=128 + getattr(stop, "signal", 2))
+    if args.json:
+        told = {answer.study.name: answer.as_dict() for answer in answers}
+        return print_json({"studies": told, "out": str(args.out)})
+    for answer in answers:
+        print(f"{answer.study.title} ({answer.study.name})")
+        for line in answer.outcome:
+            print(f"  {line}")
+    print(f"report: {args.out / studies.PAGE}")
+    return 0

@@ -9,7 +9,7 @@ import { createMeasuring } from "./core/measuring";
 import type { Hello } from "./core/protocol";
 import type { Scene } from "./core/scene";
 import { createStore } from "./core/store";
-import { parseMap } from "./core/world";
+import { worldOf } from "./core/world";
 import { createDesign } from "./design/view";
 import { keepShapes } from "./draw/shapes";
 import { createFrame, type Frame } from "./frame/frame";
@@ -41,7 +41,7 @@ byId("app").replaceChildren(h("p", { class: "opening" }, "Opening the studio…"
 
 function start(hello: Hello): void {
   keepShapes(hello.shapes);
-  const said = fromFragment(location.hash, hello.tools, hello.limits.side);
+  const said = fromFragment(location.hash, hello);
   const store = createStore(said?.scene ?? firstScene(hello));
   const measuring = createMeasuring(connection, store);
   app = { hello, connection, store, measuring, acted: createActed(hello.run) };
@@ -57,7 +57,7 @@ function start(hello: Hello): void {
   frame.open(said?.view ?? (hello.run ? "run" : "design"));
   store.watch(keepAddress);
   addEventListener("hashchange", () => {
-    const next = fromFragment(location.hash, hello.tools, hello.limits.side);
+    const next = fromFragment(location.hash, hello);
     if (next === null) return;
     if (toFragment(next.scene, next.view) === toFragment(store.scene(), frame!.view())) return;
     store.show(next.scene);
@@ -72,8 +72,7 @@ function keepAddress(): void {
 }
 
 function firstScene(hello: Hello): Scene {
-  const text = hello.run?.map ?? hello.worlds["yard"] ?? Object.values(hello.worlds)[0] ?? "";
-  const { world, tool } = parseMap(text);
-  const known = (tool && hello.tool_characters[tool]) ?? "none";
-  return { ...FRESH, world, tool: hello.run?.tool ?? known };
+  const drawn = hello.run?.drawn ?? hello.worlds["yard"] ?? Object.values(hello.worlds)[0]!;
+  const world = worldOf(drawn);
+  return { ...FRESH, world, bare: !world.tools.length };
 }

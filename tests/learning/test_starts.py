@@ -10,6 +10,7 @@ import pytest
 
 import habilis as hb
 from habilis.cli import main
+from habilis.learning import jobs, task
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
@@ -189,3 +190,28 @@ def test_every_algorithm_begins_where_it_is_told(algorithm):
 def test_starts_that_cannot_be_are_refused(settings, problem):
     with pytest.raises(ValueError, match=problem):
         Config(**settings)
+
+
+def test_room_for_more_states_changes_nothing_that_is_learned(monkeypatch):
+    """Tables of about one size share a program, so they are brought to one size."""
+    config = LEARN.changed(steps=40_000, runs=1, starts=5, intrinsic="object", horizon=2, beta=0.1)
+    one = train(config)
+    monkeypatch.setattr(task, "ROOM", 1)
+    jobs._task.cache_clear()
+    other = train(config)
+    jobs._task.cache_clear()
+    assert one.episodes.equals(other.episodes)
+    assert success(one) == success(other)
+
+
+def test_tables_with_other_starts_have_the_same_shape():
+    several = [
+        Job.of(0, LEARN.changed(world="room.txt", starts=5, starts_seed=k)) for k in range(3)
+    ]
+    assert len({job.mdp.states for job in several}) > 1
+    assert len({job.task[0].next_state.shape for job in several}) == 1
+
+
+def test_what_learns_a_value_of_each_state_has_no_more_of_them():
+    job = Job.of(0, LEARN.changed(algorithm="q-learning", starts=5))
+    assert job.task[0].states == job.mdp.states

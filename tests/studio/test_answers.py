@@ -11,6 +11,8 @@ import habilis as hb
 from habilis.empowerment.futures import futures
 from habilis.empowerment.measures import compare
 from habilis.empowerment.usefulness import usefulness
+from habilis.studio.drawn import world_of
+from habilis.worlds.tools import TOOLS
 
 WALLED = hb.World.parse("AP...\n.#C..\n.#..#\n....G", "map")
 
@@ -33,12 +35,12 @@ def values(answer):
 
 def test_a_page_is_told_what_there_is(there):
     assert there.hello["version"] == hb.__version__
-    assert there.hello["tools"] == ["picker", "broom", "none"]
-    assert there.hello["tool_characters"] == {"P": "picker", "B": "broom"}
+    assert there.hello["tools"] == [*TOOLS, "none"]
+    assert there.hello["objects"] == ["can", "ball", "crate"]
     assert there.hello["limits"]["side"] == [4, 30]
-    assert len(there.hello["actions"]) == 8
-    for name, text in there.hello["worlds"].items():
-        assert hb.World.parse(text).walls == hb.load_world(name).walls
+    assert len(there.hello["actions"]) == 9
+    for name, drawn in there.hello["worlds"].items():
+        assert world_of(drawn, TOOLS, name) == hb.load_world(name)
     path, fill = there.hello["shapes"]["can"][0]
     assert path.startswith("M")
     assert fill.startswith("#")
@@ -115,9 +117,9 @@ def test_averages_and_verdicts_are_the_librarys(there):
     for answer in there.answers(number):
         averages |= answer.get("averages", {})
         verdicts |= answer.get("verdicts", {})
-        if len(averages) == 3 and len(verdicts) == 2:
+        if len(averages) == len(TOOLS) + 1 and len(verdicts) == len(TOOLS):
             break
-    assert averages == compare(world, ["picker", "broom", "none"], 3)
+    assert averages == compare(world, [*TOOLS, "none"], 3)
     for tool, verdict in verdicts.items():
         judged = usefulness(world.with_tool(tool), 3)
         assert verdict["useful"] == judged.useful_on_average
@@ -137,9 +139,9 @@ def test_a_tool_that_nobody_could_hold_has_no_average(there):
     for answer in there.answers(there.send("measure", scene=scene(world))):
         averages |= answer.get("averages", {})
         whys |= {answer["why"]} if "why" in answer else set()
-        if len(averages) == 3:
+        if len(averages) == len(TOOLS) + 1:
             break
-    assert averages == {"picker": None, "broom": None, "none": 0.0}
+    assert averages == dict.fromkeys(TOOLS) | {"none": 0.0}
     assert whys == {"there is no room to hold the tool; leave two free cells side by side"}
 
 
@@ -151,8 +153,8 @@ def test_what_takes_too_long_says_so_in_the_words_of_the_page(there):
 
 def test_averages_are_exact_where_chance_has_a_part_in_a_small_world(there):
     world = hb.World.parse("AP..\n.C..\n...G\n####")
-    found = told(there, scene(world, horizon=2, slip=0.2), tools=3)
-    wanted = compare(world, ["picker", "broom", "none"], 2, slip=0.2)
+    found = told(there, scene(world, horizon=2, slip=0.2), tools=len(TOOLS) + 1)
+    wanted = compare(world, [*TOOLS, "none"], 2, slip=0.2)
     assert found["averages"] == pytest.approx(wanted, abs=1e-5)
     assert set(found["within"].values()) == {0.0}
     for tool, verdict in found["verdicts"].items():
@@ -244,8 +246,8 @@ def test_a_newer_request_overtakes_an_older_one_of_its_kind_and_no_other(there):
         ({"map": "AP.CG\n..."}, "the row has 3 cells and the first row has 5"),
         ({"map": "AP.CG"}, "has 1 x 5 cells; draw 4 to 30 a side"),
         ({"map": "A..CG\n" + ".....\n" * 4}, "the map has no tool whose place a picker could take"),
-        ({"map": "R = os:path\nAR.CG"}, "line 1: binds a character to a tool"),
-        ({"tool": "os:path"}, "tool 'os:path' is unknown; use one of picker, broom, none"),
+        ({"map": "R = os:path\nAR.CG"}, "line 1: binds a character to a file"),
+        ({"tool": "os:path"}, "tool 'os:path' is unknown; use one of picker, broom, rake"),
         ({"horizon": 11}, "horizon is 11; give a whole number from 0 to 10"),
         ({"horizon": 2.5}, "horizon is 2.5; give a whole number"),
         ({"slip": 0.6}, "slip is 0.6; give a number from 0 to 0.5"),
@@ -282,12 +284,11 @@ def test_a_tool_of_ones_own_is_as_good_as_any(tmp_path):
     )
     name = f"{tmp_path}/mine.py:Rake"
     with studio("--tool", name) as address, page(address) as there:
-        assert there.hello["tools"] == ["picker", "broom", name, "none"]
-        assert there.hello["tool_characters"]["R"] == name
+        assert there.hello["tools"] == [*TOOLS, name, "none"]
         world = WALLED.with_tool(name)
         answer = there.ask("measure", scene=scene(world, sensor="object", horizon=3))
         wanted = hb.landscape(world, 3, "object").values
-        assert "R" in scene(world)["map"]
+        assert f"R = {name}" in scene(world)["map"]
         assert np.array_equal(values(answer), wanted, equal_nan=True)
         picker = there.ask(
             "measure", scene=scene(world, sensor="object", horizon=3) | {"tool": "picker"}

@@ -25,6 +25,7 @@ def words(text: str) -> set[str]:
     ("what", "most"),
     [
         ("rows, and columns, of a map (at least 4)", limits.SIDES[1]),
+        ("tools, and objects, of a map", limits.THINGS),
         ("steps ahead", limits.HORIZON),
         ("slip", f"{limits.SLIP:.0%}".replace("%", " %")),
         ("seconds of one computation, by an estimate or else by the clock", f"{limits.SECONDS:g}"),
@@ -59,7 +60,7 @@ def test_the_protocol_tells_every_request_with_its_fields():
 
 def test_the_protocol_tells_what_a_scene_is():
     scene = PROTOCOL.partition("A scene is an object:")[2]
-    assert {"map", "tool", *_DEFAULTS} == set(re.findall(r"(?m)^(\w+)  ", scene))
+    assert set(_DEFAULTS) == set(re.findall(r"(?m)^(\w+)  ", scene))
     assert {*SENSORS, *ACTIONS} <= words(scene)
 
 

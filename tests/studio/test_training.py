@@ -9,8 +9,10 @@ from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
 from habilis.learning.train import train
+from habilis.studio.drawn import world_of
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement
+from habilis.worlds.tools import TOOLS
 
 SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")
 SETTINGS = {"intrinsic": "object", "horizon": 2, "beta": 0.1, "runs": 2, "episodes": 400, "seed": 3}
@@ -71,7 +73,7 @@ def check_view(there, run, **which):
 def test_a_trained_run_is_shown_as_the_library_has_it(there, run):
     assert there.hello["run"]["name"] == "toe"
     assert there.hello["run"]["config"]["beta"] == 0.1
-    assert hb.World.parse(there.hello["run"]["map"]).object == SMALL.object
+    assert world_of(there.hello["run"]["drawn"], TOOLS, "toe").object == SMALL.object
     check_view(there, run)
 
 
@@ -91,7 +93,7 @@ def test_a_view_is_of_any_place_of_the_things(there, run):
     assert view["episode"]["best_return"] == best.best_return
     at["object"] = [0, 1]
     refusal = there.ask("run", index=0, placement=at)["error"]
-    assert refusal.startswith("agent (0, 0), tool (0, 1), object (0, 1): is no placement; put each")
+    assert refusal.startswith("a placement has two things in one cell")
 
 
 def test_a_run_that_is_not_there_is_refused(there):

@@ -63,4 +63,5 @@ class Page:
 
 
 def scene(world: hb.World, **measured: Any) -> dict[str, Any]:
-    return {"map": "\n".join(world.rows), "tool": world.tool, "horizon": 2} | measured
+    """As a script would say it: by its map's text."""
+    return {"map": world.text(), "tool": world.tool, "horizon": 2} | measured

@@ -9,6 +9,7 @@ from slow_rules import by_the_rules, read, worlds
 
 import habilis as hb
 from habilis.worlds.placements import start_of
+from habilis.worlds.reach import reachable
 from habilis.worlds.rules import DROP_NAME
 
 TWO_OBJECTS = "D = can\nG = goal of C"
@@ -245,6 +246,32 @@ def test_too_many_placements_are_refused_in_a_line():
     crowded = hb.World.parse(above + "\n".join([things, *rows, "G".ljust(30, ".")]))
     with pytest.raises(ValueError, match="more placements than can be numbered"):
         hb.tabulate(crowded)
+
+
+def test_every_state_can_be_said_in_words():
+    world = hb.World.parse("R = rake\ndrop: true\nAP..\n.C.R\n...G\n####")
+    mdp = hb.tabulate(world)
+    names = [*start_of(world), "held", "laid"]
+    for state in range(0, mdp.states, 7):
+        cells = {name: divmod(int(mdp.factor(name)[state]), 4) for name in start_of(world)}
+        hands = {name: int(mdp.factor(name)[state]) for name in ("held", "laid")}
+        found, states = reachable(world, cells | hands, 0)
+        for name in names:
+            assert found.factor(name)[states[0]] == mdp.factor(name)[state]
+
+
+@pytest.mark.parametrize(
+    ("hands", "message"),
+    [
+        ({"held": 2}, "held is 2; give a tool's place among 2, from 0, or -1"),
+        ({"held": 1}, "the rake is held and not beside the agent; put it there"),
+        ({"laid": "x"}, "laid is 'x'; give"),
+    ],
+)
+def test_hands_that_there_are_not_are_refused(hands, message):
+    world = hb.World.parse("R = rake\ndrop: true\nAP..\n.C.R\n...G\n####")
+    with pytest.raises(ValueError, match=message):
+        reachable(world, start_of(world) | hands, 0)
 
 
 # Maps written as text

@@ -11,12 +11,13 @@ from jaxtyping import Float
 
 from habilis.cache import fingerprint
 from habilis.learning import intrinsic
+from habilis.learning.algorithms import A2C, PPO
 from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
 from habilis.learning.starts import KEPT, Begins, ground
-from habilis.learning.task import Task, make_task
+from habilis.learning.task import Task, make_task, roomy
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World, load_world
 
@@ -87,7 +88,9 @@ class Job:
 
     @cached_property
     def task(self) -> tuple[Task, int]:
-        return _task(self.world, self.begins)
+        # What has a value for each state of its own would learn of those that are not there.
+        networks = isinstance(self.config.algorithm, A2C | PPO)
+        return _task(self.world, self.begins, networks and self.begins.starts > 0)
 
     @cached_property
     def program(self) -> Program:
@@ -95,7 +98,8 @@ class Job:
 
     @cached_property
     def settings(self) -> Settings:
-        return settings_of(self.config, self.table)
+        more = self.task[0].states - self.mdp.states
+        return settings_of(self.config, np.pad(self.table, (0, more)))
 
     def start(self, run: int) -> Lane:
         """A run before its first step; its random numbers are its own."""
@@ -139,9 +143,10 @@ def digest_of_own_tool(world: World) -> str | None:
 
 
 @lru_cache(KEPT)
-def _task(world: World, begins: Begins) -> tuple[Task, int]:
+def _task(world: World, begins: Begins, with_room: bool) -> tuple[Task, int]:
     on = ground(world, begins)
-    return make_task(on.mdp, on.seen if begins.starts else None)
+    task, rows = make_task(on.mdp, on.seen if begins.starts else None)
+    return roomy(task) if with_room else task, rows
 
 
 @lru_cache(KEPT)

@@ -8,6 +8,9 @@ from jaxtyping import Array, Bool, Float, Int
 
 from habilis.mdp import TabularMDP
 
+ROOM = 1 << 13
+"""To a multiple of which `roomy` brings the number of states."""
+
 
 class Task(NamedTuple):
     """What all lanes share. A transition is numbered `state * actions + action`."""
@@ -63,3 +66,19 @@ def make_task(mdp: TabularMDP, starts: Int[np.ndarray, "starts"] | None = None) 
         start=jnp.int32(mdp.start) if starts is None else jnp.asarray(starts, jnp.int32),
     )
     return task, rows
+
+
+def roomy(task: Task) -> Task:
+    """The same with states that nobody comes to, up to a multiple of `ROOM`.
+
+    Tables of about one size, as those of one map with different starts, then share a compiled
+    program; compiling takes longer than many a run.
+    """
+    more = -task.states % ROOM
+    transitions = ((0, more * task.actions),)
+    return task._replace(
+        next_state=jnp.pad(task.next_state, transitions),
+        goes_on=jnp.pad(task.goes_on, transitions),
+        reward=jnp.pad(task.reward, transitions),
+        inputs=jnp.pad(task.inputs, ((0, more), (0, 0))),
+    )

@@ -8,6 +8,7 @@ from typing import Any
 
 from habilis.processors import processors
 from habilis.studio.clients import Client
+from habilis.studio.drawn import described
 from habilis.studio.estimating import Estimate, in_stretches, verdicts
 from habilis.studio.limits import DRAWN, FEWEST
 from habilis.studio.messages import Request, one_line
@@ -60,7 +61,7 @@ class Pools:
 
     def for_one(self, scene: Scene) -> Pool:
         """For the value of one state of a scene."""
-        return self.slow if scene.slip else self.quick
+        return self.slow if scene.chance else self.quick
 
 
 async def measure(pools: Pools, tools: tuple[str, ...], client: Client, request: Request) -> None:
@@ -78,7 +79,7 @@ async def landscape(pools: Pools, client: Client, request: Request) -> None:
 
 async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) -> None:
     began = time.perf_counter()
-    if scene.slip:
+    if scene.chance:
         bits = await _stretches(pools, client, number, scene)
     else:
         bits = (await client.step(pools.quick, "landscape", scene=scene))["bits"]
@@ -106,10 +107,11 @@ async def _averages(
 ) -> None:
     """What each tool is worth on average; where that cannot be said, why."""
     await asyncio.sleep(_SETTLED)
-    if scene.world.tool_cell is None:
+    if scene.world.tool_cell is None and not scene.world.tools:
         tools = ()
     # The tool in hand first, for it is what is looked at; then what it is compared with.
-    order = sorted([NO_TOOL, *tools], key=lambda tool: (tool != scene.world.tool, tool != NO_TOOL))
+    here = {tool.kind for tool in scene.world.tools} or {NO_TOOL}
+    order = sorted([NO_TOOL, *tools], key=lambda tool: (tool not in here, tool != NO_TOOL))
     known: dict[str, Estimate] = {}
     for tool in order:
         try:
@@ -146,6 +148,11 @@ async def _average(
             return
 
 
+async def read(pools: Pools, client: Client, request: Request) -> None:
+    world = _scene(request).world
+    await client.tell(request.id, drawn=described(world), text=world.text())
+
+
 async def futures(pools: Pools, client: Client, request: Request) -> None:
     scene = _scene(request)
     agent = request.values["agent"]
@@ -154,7 +161,9 @@ async def futures(pools: Pools, client: Client, request: Request) -> None:
 
 
 async def solve(pools: Pools, client: Client, request: Request) -> None:
-    await client.tell(request.id, **await client.step(pools.slow, "plan", scene=_scene(request)))
+    at = request.values.get("placement")
+    found = await client.step(pools.slow, "plan", scene=_scene(request), at=at)
+    await client.tell(request.id, **found)
 
 
 async def step(pools: Pools, client: Client, request: Request) -> None:
@@ -167,6 +176,7 @@ async def step(pools: Pools, client: Client, request: Request) -> None:
 
 ANSWERS: dict[str, Callable[[Pools, Client, Request], Coroutine[Any, Any, None]]] = {
     "landscape": landscape,
+    "read": read,
     "futures": futures,
     "solve": solve,
     "step": step,

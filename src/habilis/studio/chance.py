@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from habilis.studio.scenes import has_tool
 from habilis.worlds.reach import Placement
 from habilis.worlds.world import Cell, World
 
@@ -27,7 +26,7 @@ def drawn(world: World, count: int, seed: int = 0) -> list[Placement]:
     cells = [(row, column) for row in range(world.height) for column in range(world.width)]
     free = [cell for cell in cells if cell not in world.walls]
     held: list[tuple[Cell, ...]] = [(agent,) for agent in free]
-    if has_tool(world):
+    if world.tools:
         held = [(agent, tool) for agent in free for tool in _beside(agent) if tool in free]
     if not held:
         raise ValueError("there is no room to hold the tool; leave two free cells side by side")

@@ -2,6 +2,8 @@
 
 SIDES = (4, 30)
 """Rows or columns of a map, least and most."""
+THINGS = 4
+"""Tools, and objects, on a map."""
 HORIZON = 10
 SLIP = 0.5
 

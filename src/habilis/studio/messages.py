@@ -15,45 +15,54 @@ measure  scene
          {tool: half the width of its 95 % interval, 0 where it is exact} and
          verdicts {tool: {useful, better_than_none or null: open}}, and `why`
          where an average is null
-landscape  scene, perhaps placement {agent, tool, object}, of things elsewhere
-         than on the map
+landscape  scene, perhaps placement, of things elsewhere than on the map
          landscape, least, most, seconds, as above
 futures  scene, agent [row, column]
          bits, gap, things [[row, column, probability]] of what is sensed
          (through the sensor "state": of the can), elsewhere (the probability
          of other cells), count of observations
-solve    scene
+solve    scene, perhaps placement, from which
          steps, return, actions, placements; or nulls, where the goal is out of
          reach
-step     scene, placement {agent, tool, object}, action (an index; null: stay, to
-         ask for its bits)
+step     scene, placement, action (an index; null: stay, to ask for its bits)
          placement, bits, equipped, attached, reward, ended
 train    scene, settings (some of `habilis.learning.config.Config`)
          name; then repeatedly share, steps_per_second, curve, episodes, steps,
          converged_at, best_return; at last the same with done {name, runs,
          converged_at, best_return}
+read     scene (of its map alone)
+         drawn, and text: the map as text
 stop     (the id is the training's) nothing of its own: the training ends, and
          keeps what it has
-run      index, perhaps name (of a training) and placement {agent, tool, object},
-         in which the episode begins
-         policy {episode, cells}, values, episode {placements, actions, values,
+run      index, perhaps name (of a training) and placement, in which the episode
+         begins
+         drawn, policy {episode, cells}, values, episode {placements, actions, values,
          return, finished, best_return or null}, curve and what goes with it
 
 A scene is an object:
 
-map      text of 4 to 30 rows and columns; a tool's character says where it is,
-         not which
-tool     the name of one that `hello` lists
+map      text of 4 to 30 rows and columns, perhaps below lines that bind
+         characters, as in a file; or instead
+drawn    {ground: rows of # and ., agent, tools [{kind, cell, slip}], objects
+         [{kind, cell, goal or null}], drop}, things in any order
+tool     the name of one that `hello` lists, which takes the place of the map's;
+         none: none; by default those of the map
 sensor   state (the default), object, tool, agent, or cells: sees the object in
          `cells` only
+thing    which of several objects (or through the sensor tool, tools), from 0
 cells    [[row, column], ...]
 horizon  0 (the default) to 10 actions
 actions  all (the default), moves, tool
 slip     0 (the default) to 0.5, the probability that chance replaces an action
 
+A placement has the [row, column] of agent, object and, with a tool, tool; on a
+map of several things of agent, tool:picker, ..., object:can, ..., and perhaps
+held and laid: the tool in hand, and the one put down and not left since, as
+places among the tools, -1 for none.
+
 A curve has x, mean, low, high, runs, carried_on. `hello` has version, worlds
-{name: map}, tools, tool_characters {character: tool}, actions (their names, by
-index), limits, training (intrinsic {name: words}, algorithms {name: words},
+{name: drawn}, tools, objects (the kinds that there are), actions (their names,
+by index), limits, training (intrinsic {name: words}, algorithms {name: words},
 without_horizon, first {setting: value}), shapes (drawings of things: [outline,
 colour] from back to front), run (of the folder that the studio was started with:
 name, runs, map, tool, config; or null) and kept (the folder of trainings that are
@@ -61,24 +70,28 @@ kept, or null).
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
+from habilis.mdp import HELD, LAID
 from habilis.studio.fields import cell, checked, number, shown, text
-from habilis.studio.limits import MESSAGE, TRAINING
+from habilis.studio.limits import MESSAGE, THINGS, TRAINING
 from habilis.studio.scenes import Scene
+from habilis.worlds.rules import ACTIONS
 from habilis.worlds.world import Cell
 
 ID = "id"
 _LARGEST = 2**53  # whole numbers that JavaScript tells apart
 _LONGEST_ERROR = 400
+_MOST_NAMED = 2 * THINGS + 3
 
 _FIELDS = {  # of each request: what it must have, and what it may have
     "measure": (("scene",), ()),
     "landscape": (("scene",), ("placement",)),
+    "read": (("scene",), ()),
     "futures": (("scene", "agent"), ()),
-    "solve": (("scene",), ()),
+    "solve": (("scene",), ("placement",)),
     "step": (("scene", "placement", "action"), ()),
     "train": (("scene", "settings"), ()),
     "stop": ((), ()),
@@ -115,12 +128,12 @@ class MessageError(ValueError):
         self.id = number
 
 
-def read(message: Any, tools: Mapping[str, str]) -> Request:
+def read(message: Any, tools: Collection[str]) -> Request:
     """A request from a message.
 
     Args:
         message: as it came.
-        tools: see `Scene.of`.
+        tools: the names of all tools.
 
     Raises:
         MessageError: in one line, what is wrong with it.
@@ -160,7 +173,7 @@ def _no_number(name: str) -> NoReturn:
     raise ValueError(f"{name} is no number")
 
 
-def _request(number_of: int, given: dict[str, Any], tools: Mapping[str, str]) -> Request:
+def _request(number_of: int, given: dict[str, Any], tools: Collection[str]) -> Request:
     do = given.get("do")
     if not isinstance(do, str) or do not in _FIELDS:
         raise ValueError(f"do is {shown(do)}; use one of {', '.join(_FIELDS)}")
@@ -179,13 +192,18 @@ def _request(number_of: int, given: dict[str, Any], tools: Mapping[str, str]) ->
 
 
 def _action(value: Any) -> int | None:
-    return None if value is None else number("action", value, 0, 7, whole=True)
+    return None if value is None else number("action", value, 0, len(ACTIONS), whole=True)
 
 
-def _placement(value: Any) -> dict[str, Cell]:
-    """The cells of agent, object and perhaps tool; the library says whether they are free."""
-    given = checked("placement", value, ("agent", "object"), ("tool",))
-    return {name: cell(name, at) for name, at in given.items() if name != "tool" or at is not None}
+def _placement(value: Any) -> dict[str, Cell | int]:
+    """Where things are; the library says whether they can be there."""
+    if not isinstance(value, dict) or "agent" not in value or len(value) > _MOST_NAMED:
+        raise ValueError(f"placement is {shown(value)}; give the cells of agent, object and tool")
+    return {
+        name: number(name, at, -1, THINGS, whole=True) if name in (HELD, LAID) else cell(name, at)
+        for name, at in value.items()
+        if at is not None
+    }
 
 
 def _settings(value: Any) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """A scene: a world on the page, and what is measured in it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from habilis.mdp import TabularMDP
+from habilis.mdp import HELD, LAID, TabularMDP
+from habilis.studio.drawn import world_of
 from habilis.studio.fields import cell, checked, number, one_of, text
 from habilis.studio.limits import HORIZON, SIDES, SLIP
-from habilis.worlds.characters import COMMENT
 from habilis.worlds.map_text import header, map_lines
-from habilis.worlds.placements import Placement
-from habilis.worlds.tools import TOOLS
+from habilis.worlds.moving import elsewhere
+from habilis.worlds.own_tools import is_own
+from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
 from habilis.worlds.world import NO_TOOL, Cell, World
 
 SENSORS = ("state", "object", "tool", "agent", "cells")
@@ -24,7 +25,6 @@ ELSEWHERE = -1
 
 _MAP = "map"  # what the library's errors call it
 _MOST_CELLS = SIDES[1] ** 2
-_ANY_TOOL = TOOLS["picker"].character  # stands on the map for a tool of one's own while it is read
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,7 @@ class Scene:
     Attributes:
         world: with the tool that is chosen.
         sensor: one of `SENSORS`.
+        thing: which of its tools the sensor "tool" is of, which of its objects all others.
         cells: those that the sensor "cells" tells apart.
         horizon: in actions.
         actions: one of `ACTIONS`.
@@ -43,32 +44,44 @@ class Scene:
     world: World
     sensor: str = "state"
     cells: tuple[Cell, ...] = ()
+    thing: int = 0
     horizon: int = 0
     actions: str = "all"
     slip: float = 0.0
 
     @classmethod
-    def of(cls, value: Any, tools: Mapping[str, str]) -> "Scene":
+    def of(cls, value: Any, tools: Collection[str]) -> "Scene":
         """A scene from a message.
 
         Args:
             value: what the page sent.
-            tools: by the characters that stand for them on a map, the names of all tools.
+            tools: the names of all tools.
 
         Raises:
             ValueError: it is none, or beyond the limits; the message names what is wrong.
         """
-        given = checked("scene", value, required=("map", "tool"), optional=tuple(_DEFAULTS))
-        given = _DEFAULTS | given
+        given = _DEFAULTS | checked("scene", value, required=(), optional=tuple(_DEFAULTS))
         cells = given["cells"]
         if not isinstance(cells, list) or len(cells) > _MOST_CELLS:
             raise ValueError(
                 f"cells is no list of at most {_MOST_CELLS} cells, as [[0, 1], [2, 3]]"
             )
+        if (given["map"] is None) == (given["drawn"] is None):
+            raise ValueError("scene has no map; give it as text, map, or as drawn")
+        if given["map"] is not None:
+            world = _read(text("map", given["map"]), frozenset(tools))
+        else:
+            world = world_of(given["drawn"], tools, _MAP)
+        check_size(world)
+        if given["tool"] is not None:
+            world = world.with_tool(one_of("tool", given["tool"], [*tools, NO_TOOL]))
+        sensor = one_of("sensor", given["sensor"], SENSORS)
+        among = max(len(world.tools if sensor == "tool" else world.objects), 1)
         return cls(
-            _world(text("map", given["map"]), text("tool", given["tool"]), tuple(tools.items())),
-            one_of("sensor", given["sensor"], SENSORS),
+            world,
+            sensor,
             tuple(cell("cells", one) for one in cells),
+            number("thing", given["thing"], 0, among - 1, whole=True),
             number("horizon", given["horizon"], 0, HORIZON, whole=True),
             one_of("actions", given["actions"], tuple(ACTIONS)),
             number("slip", given["slip"], 0, SLIP),
@@ -79,9 +92,20 @@ class Scene:
         return ACTIONS[self.actions]
 
     @property
+    def chance(self) -> bool:
+        """Whether chance has a part in it."""
+        return bool(self.slip) or any(tool.slip for tool in self.world.tools)
+
+    @property
+    def object(self) -> str:
+        """The name of the object that it is about."""
+        of = 0 if self.sensor == "tool" else self.thing
+        return self.world.objects[of].name
+
+    @property
     def placement(self) -> Placement:
         """Where the map has everything."""
-        return placement_of(self.world, agent=self.world.agent)
+        return start_of(self.world)
 
     def with_things(self, at: Placement) -> "Scene":
         """The same scene with its things elsewhere.
@@ -89,51 +113,66 @@ class Scene:
         Raises:
             ValueError: something is not on a free cell of its own.
         """
-        tool = at.get("tool", self.world.tool_cell)
-        world = replace(self.world, agent=at["agent"], object=at["object"], tool_cell=tool)
+        tools, objects = tool_factors(self.world), object_factors(self.world)
+        missing = [name for name in ("agent", *objects) if name not in at]
+        unknown = [name for name in at if name not in self.placement and name not in _HANDS]
+        if missing or unknown:
+            raise ValueError(
+                f"placement has {', '.join(at)}; give the cells of {', '.join(self.placement)}"
+            )
+        names = [tool.name for tool in self.world.tools], [o.name for o in self.world.objects]
+        world = elsewhere(
+            self.world,
+            agent=at["agent"],
+            tool={name: at[key] for name, key in zip(names[0], tools, strict=True) if key in at},
+            object={name: at[key] for name, key in zip(names[1], objects, strict=True)},
+        )
         return replace(self, world=world)
 
     def with_tool(self, tool: str) -> "Scene":
         """What averages are of: a tool, what all actions can do to the object with it."""
-        world = self.world.with_tool(tool)
-        return replace(self, world=world, sensor="object", actions="all", cells=())
+        world = self.world.with_object(self.object).with_tool(tool)
+        return replace(self, world=world, sensor="object", thing=0, actions="all", cells=())
 
     def agent_places(self) -> list[Cell]:
-        """The cells that the agent can be in, tool and object where the map has them."""
-        world = self.world
-        taken = {world.object, *world.walls} | (
-            {world.tool_cell} - {None} if has_tool(world) else set()
+        """The cells that the agent can be in, all else where the map has it."""
+        start = self.placement
+        taken = {cell for name, cell in start.items() if name != "agent"} | self.world.walls
+        every = (
+            (row, column) for row in range(self.world.height) for column in range(self.world.width)
         )
-        every = ((row, column) for row in range(world.height) for column in range(world.width))
         return [place for place in every if place not in taken]
 
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":
         """The sensor as the library takes it."""
+        if self.sensor == "tool" and self.world.tools:
+            return tool_factors(self.world)[self.thing]
+        if self.sensor == "object":
+            return self.seen
         if self.sensor != "cells":
             return self.sensor
-        at = mdp.factor("object")
+        at = mdp.factor(self.seen)
         return np.where(np.isin(at, [mdp.label(place) for place in self.cells]), at, ELSEWHERE)
 
+    @property
+    def seen(self) -> str:
+        """The factor of the object that it is about."""
+        factors = object_factors(self.world)
+        return factors[0 if self.sensor == "tool" else self.thing]
 
+
+_HANDS = (HELD, LAID)
 _DEFAULTS: dict[str, Any] = {
+    "map": None,
+    "drawn": None,
+    "tool": None,
     "sensor": "state",
     "cells": [],
+    "thing": 0,
     "horizon": 0,
     "actions": "all",
     "slip": 0.0,
 }
-
-
-def has_tool(world: World) -> bool:
-    return world.tool != NO_TOOL
-
-
-def placement_of(world: World, **cells: Cell) -> Placement:
-    """Where things are: where the map has them but for those that are given."""
-    places = {"agent": world.agent, "object": world.object}
-    if has_tool(world) and world.tool_cell is not None:
-        places["tool"] = world.tool_cell
-    return places | cells
 
 
 def check_size(world: World) -> None:
@@ -150,20 +189,14 @@ def check_size(world: World) -> None:
 
 
 @lru_cache(256)
-def _world(drawn: str, tool: str, tools: tuple[tuple[str, str], ...]) -> World:
-    """A world from a map without lines that bind characters: these would run any file."""
+def _read(drawn: str, tools: frozenset[str]) -> World:
+    """A world from map text whose lines name known tools only: the files of others would be run."""
     head, _ = header(map_lines(drawn, _MAP), _MAP)
-    if head.bound:
-        line = next(iter(head.bound.values()))[0]
-        raise ValueError(
-            f"{_MAP}, line {line}: binds a character to a tool; start the studio with "
-            "--tool FILE.py:CLASS, and leave the line out"
-        )
-    one_of("tool", tool, [*dict(tools).values(), NO_TOOL])
-    own = {ord(mark): _ANY_TOOL for mark, name in tools if name not in TOOLS}
-    text = "\n".join(
-        line if line.startswith(COMMENT) else line.translate(own) for line in drawn.split("\n")
-    )
-    world = World.parse(text, _MAP)
-    check_size(world)
-    return world.with_tool(tool)
+    for line, said in head.bound.values():
+        kind = said.partition(" slip ")[0].strip()
+        if is_own(kind) and kind not in tools:
+            raise ValueError(
+                f"{_MAP}, line {line}: binds a character to a file; start the studio with "
+                "--tool FILE.py:CLASS to let maps name it"
+            )
+    return World.parse(drawn, _MAP)

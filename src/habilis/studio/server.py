@@ -23,14 +23,16 @@ from habilis.extras import import_from
 from habilis.studio import answering, learning
 from habilis.studio.answering import Pools
 from habilis.studio.clients import Client
-from habilis.studio.limits import CLIENTS, HORIZON, MESSAGE, SIDES, SLIP, TRAINING
+from habilis.studio.drawn import described
+from habilis.studio.limits import CLIENTS, HORIZON, MESSAGE, SIDES, SLIP, THINGS, TRAINING
 from habilis.studio.messages import MessageError, Request, read
 from habilis.studio.offered import offered
 from habilis.studio.security import Access, Guard
 from habilis.studio.training import Trainings
 from habilis.worlds.own_tools import tool_named
-from habilis.worlds.rules import ACTIONS
+from habilis.worlds.rules import ACTIONS, DROP_NAME
 from habilis.worlds.shapes import SHAPES
+from habilis.worlds.things import OBJECTS
 from habilis.worlds.tools import TOOLS, drawing_of
 from habilis.worlds.world import NO_TOOL, load_world, world_names
 
@@ -67,22 +69,18 @@ class Studio:
     def all_tools(self) -> tuple[str, ...]:
         return *TOOLS, *self.tools
 
-    @cached_property
-    def characters(self) -> dict[str, str]:
-        """The names of the tools by the characters that stand for them on a map."""
-        return {tool_named(name).character: name for name in self.all_tools}
-
     def hello(self) -> dict[str, Any]:
         """What a page is told first."""
         shapes = SHAPES | {name: drawing_of(tool_named(name)) for name in self.tools}
         return {
             "version": habilis.__version__,
-            "worlds": {name: "\n".join(load_world(name).rows) for name in world_names()},
+            "worlds": {name: described(load_world(name)) for name in world_names()},
             "tools": [*self.all_tools, NO_TOOL],
-            "tool_characters": self.characters,
-            "actions": list(ACTIONS),
+            "objects": list(OBJECTS),
+            "actions": [*ACTIONS, DROP_NAME],
             "limits": {
                 "side": list(SIDES),
+                "things": THINGS,
                 "horizon": HORIZON,
                 "slip": SLIP,
                 "message": MESSAGE,
@@ -162,7 +160,7 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
             if message["type"] == "websocket.disconnect":
                 return
             try:
-                request = read(message.get("text") or message.get("bytes"), studio.characters)
+                request = read(message.get("text") or message.get("bytes"), studio.all_tools)
             except MessageError as error:
                 await client.tell(error.id, error=str(error))
             else:
@@ -193,18 +191,11 @@ def opened(
         kept: another folder for trainings, in which they are to be kept.
 
     Raises:
-        ValueError: the address is none of this machine's, a tool or run does not exist, two
-            tools have one character, or `kept` cannot be written to.
+        ValueError: the address is none of this machine's, a tool or run does not exist, or `kept`
+            cannot be written to.
     """
-    of_characters: dict[str, str] = {}
-    for name in (*TOOLS, *tools):
-        character = tool_named(name).character
-        if character in of_characters:
-            raise ValueError(
-                f"tools {of_characters[character]!r} and {name!r} have one character, "
-                f"{character!r}; give one of them another"
-            )
-        of_characters[character] = name
+    for name in tools:
+        tool_named(name)  # which says what is wrong with it
     shown = None if run is None else import_from("habilis.studio.trained", "learn").described(run)
     if kept is not None:
         import_from("habilis.learning.folder", "learn").check_writable(kept)

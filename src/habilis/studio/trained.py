@@ -1,6 +1,5 @@
 """What the studio shows of a run's folder, whether training in it has ended or not."""
 
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -8,13 +7,13 @@ import numpy as np
 
 from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_latest
-from habilis.learning.replay import learned, play
+from habilis.learning.replay import learned, play, table_of
 from habilis.learning.runs import Run
-from habilis.mdp import TabularMDP
-from habilis.studio.work import Answer, placed
+from habilis.mdp import HELD, LAID
+from habilis.studio import drawn
+from habilis.studio.work import Answer, placed, state_of
+from habilis.worlds.placements import Placement
 from habilis.worlds.plans import solve
-from habilis.worlds.table import placement, tabulate
-from habilis.worlds.world import World
 
 _POINTS = 150  # of a curve: more than a page has room for
 _DIGITS = 5
@@ -26,8 +25,7 @@ def described(folder: Path) -> Answer:
     return {
         "name": folder.resolve().name,
         "runs": run.config.runs,
-        "map": "\n".join(run.world.rows),
-        "tool": run.world.tool,
+        "drawn": drawn.described(run.world),
         "config": run.config.as_dict(),
     }
 
@@ -37,7 +35,7 @@ def curve(folder: str) -> Answer:
     return _curve(load_latest(folder))
 
 
-def view(folder: str, index: int, at: dict[str, list[int]] | None = None) -> Answer:
+def view(folder: str, index: int, at: Placement | None = None) -> Answer:
     """What one of the runs learned.
 
     Args:
@@ -51,28 +49,31 @@ def view(folder: str, index: int, at: dict[str, list[int]] | None = None) -> Ans
         the value; the curve, and the best return from there.
     """
     run = load_latest(folder)
-    mdp = _table(run.world)
-    start = mdp.start if at is None else _state(mdp, at)
+    mdp = table_of(run)
+    start = mdp.start if at is None else state_of(run.world, mdp, at)
     episode = play(run, index, start)
     policy, values = learned(run, mdp, index)
     here = np.ones(mdp.states, bool)
-    for name in mdp.factors.keys() - {"agent"}:
+    for name in mdp.factors.keys() - {"agent", HELD, LAID}:
         here &= mdp.factor(name) == mdp.factor(name)[start]
     best = solve(mdp, start)
     shape = run.world.height, run.world.width
     grids: Any = [[[None] * shape[1] for _ in range(shape[0])] for _ in range(2)]
     for state in np.flatnonzero(here):
         row, column = divmod(int(mdp.factor("agent")[state]), shape[1])
+        if grids[0][row][column] is not None:  # with another tool in hand
+            continue
         grids[0][row][column] = rounded(policy[state])
         grids[1][row][column] = rounded(values[state])
     return {
+        "drawn": drawn.described(run.world),
         "policy": {
             "episode": [rounded(policy[state]) for state in episode.states],
             "cells": grids[0],
         },
         "values": grids[1],
         "episode": {
-            "placements": [placed(placement(run.world, mdp, state)) for state in episode.states],
+            "placements": [placed(run.world, mdp, state) for state in episode.states],
             "actions": list(episode.actions),
             "values": [rounded(values[state]) for state in episode.states],
             "return": episode.episode_return,
@@ -80,20 +81,6 @@ def view(folder: str, index: int, at: dict[str, list[int]] | None = None) -> Ans
             "best_return": None if best is None else best.best_return,
         },
     } | _curve(run)
-
-
-def _state(mdp: TabularMDP, at: dict[str, list[int]]) -> int:
-    """The state of a placement.
-
-    Raises:
-        ValueError: it is none.
-    """
-    cells = {name: (cell[0], cell[1]) for name, cell in at.items() if name in mdp.factors}
-    try:
-        return mdp.find(**cells)
-    except KeyError:
-        where = ", ".join(f"{name} {cell}" for name, cell in cells.items())
-        raise ValueError(f"{where}: is no placement; put each on a free cell of its own") from None
 
 
 def rounded(values: np.ndarray) -> Any:
@@ -124,11 +111,6 @@ def _curve(run: Run) -> Answer:
         "steps": int(run.episodes["steps"].sum()),
         "converged_at": list(run.converged_at),
     }
-
-
-@lru_cache(2)
-def _table(world: World) -> TabularMDP:
-    return tabulate(world)
 
 
 def prepare(background: bool) -> None:

@@ -24,14 +24,14 @@ from habilis.empowerment.effort import (
 from habilis.empowerment.futures import futures
 from habilis.empowerment.measures import compared_states
 from habilis.empowerment.open_loop import Problem, exact, problem_of
-from habilis.mdp import TabularMDP
+from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.studio.chance import drawn
 from habilis.studio.limits import DRAWN, FEWEST, GIB, SECONDS
-from habilis.studio.scenes import ELSEWHERE, Scene, placement_of
-from habilis.worlds.placements import Placement
+from habilis.studio.scenes import ELSEWHERE, Scene
+from habilis.worlds.placements import Placement, start_of
 from habilis.worlds.plans import solve
 from habilis.worlds.reach import reachable
-from habilis.worlds.table import placement, tabulate
+from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
 Answer = dict[str, Any]
@@ -42,6 +42,7 @@ _OPTIONS = {"threads": 1, "max_gib": GIB, "max_seconds": SECONDS}
 _TOLERANCE = 1e-6  # bits
 _NOTHING = 1e-9  # bits: what rounding can make of none
 _KEPT = 4  # tables of scenes
+_MOST = 3_000_000  # placements of several things that a plan looks over
 _MANY, _EXACT = 100, 5.0  # cells, seconds: beyond, an average where chance has a part is estimated
 
 
@@ -71,11 +72,11 @@ def sampled(scene: Scene, tool: str, first: int, end: int) -> Answer:
 def average(scene: Scene, tool: str) -> Answer:
     """What a tool, or none, is worth on average; `None` where that takes too long to be exact."""
     of_tool = scene.with_tool(tool)
-    if scene.slip and len(of_tool.agent_places()) > _MANY:
+    if of_tool.chance and len(of_tool.agent_places()) > _MANY:
         return {"bits": None}
     mdp = tabulate(of_tool.world, scene.slip)
     states = np.flatnonzero(compared_states(mdp))
-    seconds = _EXACT if scene.slip else SECONDS
+    seconds = _EXACT if of_tool.chance else SECONDS
     try:
         bits = empowerment(
             mdp,
@@ -98,7 +99,7 @@ def choices(scene: Scene, agent: list[int]) -> Answer:
     found = futures(mdp, state, scene.horizon, sensor, scene.action_indices, max_gib=GIB)
     seen, labels = found.seen, found.observations
     if scene.sensor == "state":
-        labels, place = np.unique(mdp.factor("object")[labels], return_inverse=True)
+        labels, place = np.unique(mdp.factor(scene.seen)[labels], return_inverse=True)
         seen = np.bincount(place, seen, len(labels))
     here = labels != ELSEWHERE
     rows, columns = np.divmod(labels[here], scene.world.width)
@@ -114,43 +115,48 @@ def choices(scene: Scene, agent: list[int]) -> Answer:
     }
 
 
-def plan(scene: Scene) -> Answer:
-    """A shortest plan, and the placements that it passes through."""
-    mdp = tabulate(scene.world)
-    found = solve(mdp)
+def plan(scene: Scene, at: Placement | None = None) -> Answer:
+    """A shortest plan from a placement, by default the map's, and what it passes through."""
+    world = scene.world
+    if world.several:
+        mdp, start = _within_reach(world, scene.placement if at is None else at)
+    else:
+        mdp = tabulate(world)
+        start = mdp.start if at is None else state_of(world, mdp, at)
+    found = solve(mdp, start)
     if found is None:
         return {"steps": None, "return": None, "actions": None, "placements": None}
     return {
         "steps": found.steps,
         "return": found.best_return,
         "actions": list(found.actions),
-        "placements": [placed(placement(scene.world, mdp, state)) for state in found.states],
+        "placements": [placed(world, mdp, state) for state in found.states],
     }
 
 
-def step(scene: Scene, at: dict[str, list[int]], action: int | None) -> Answer:
+def step(scene: Scene, at: Placement, action: int | None) -> Answer:
     """What an action does in a placement, and what the placement reached is worth.
 
     Args:
         scene: the world, and what is measured.
-        at: the cells of agent, object and, with a tool, tool.
+        at: where everything is, as the library has it.
         action: its index; `None` stays where it is.
     """
     world = scene.world
-    mdp, states = reachable(world, {name: (r, c) for name, (r, c) in at.items()}, 1)
+    mdp, states = reachable(world, at, 1)
     state, reward, ended = int(states[0]), None, bool(mdp.terminal[states[0]])
     if action is not None:
         if not 0 <= action < mdp.action_count:
             raise ValueError(f"action is {action}; use indices from 0 to {mdp.action_count - 1}")
         if random.random() < scene.slip:
             action = random.randrange(mdp.action_count)
-        reward = float(mdp.reward[state, action])
-        state = int(mdp.next_state[state, action])
+        before, state = state, _led(mdp, state, action)
         ended = bool(mdp.terminal[state])
-    now = placement(world, mdp, state)
+        reward = 0.0 if mdp.terminal[before] or ended else -1.0
+    now = placed(world, mdp, state)
     return {
-        "placement": placed(now),
-        "bits": float(_bits(scene, [placement_of(now, agent=now.agent)])[0]),
+        "placement": now,
+        "bits": float(_bits(scene, [_words(now)])[0]),
         "equipped": bool(mdp.flags["equipped"][state]),
         "attached": bool(mdp.flags["attached"][state]),
         "reward": reward,
@@ -158,17 +164,60 @@ def step(scene: Scene, at: dict[str, list[int]], action: int | None) -> Answer:
     }
 
 
-def placed(world: World) -> dict[str, list[int] | None]:
-    """Where the things of a world are, as the page has it."""
-    places = placement_of(world, agent=world.agent)
-    return {name: list(places[name]) if name in places else None for name in _THINGS}
+def _led(mdp: TabularMDP, state: int, action: int) -> int:
+    """Where an action leads; where its tool may fail, by chance."""
+    if not mdp.is_stochastic:
+        return int(mdp.next_state[state, action])
+    row = mdp.transition(action)[[state]]
+    return int(random.choices(row.indices, row.data)[0])
 
 
-_THINGS = ("agent", "tool", "object")
+def _within_reach(world: World, at: Placement) -> tuple[TabularMDP, int]:
+    """All that can be reached from a placement, and its state."""
+    try:
+        mdp, states = reachable(world, at, None, _MOST)
+    except ValueError as error:
+        if "more than" not in str(error):
+            raise
+        raise ValueError(
+            f"more than {_MOST:,} placements can be reached; take things away, or make the map "
+            "smaller"
+        ) from None
+    return mdp, int(states[0])
+
+
+def state_of(world: World, mdp: TabularMDP, at: Placement) -> int:
+    """The state of a placement in a table of its world.
+
+    Raises:
+        ValueError: it is no placement, or the table has none such.
+    """
+    asked, states = reachable(world, at, 0)
+    same = np.ones(mdp.states, bool)
+    for name in mdp.factors:
+        same &= mdp.factor(name) == asked.factor(name)[states[0]]
+    if not same.any():
+        raise ValueError("that cannot be reached from where episodes begin; put things elsewhere")
+    return int(np.flatnonzero(same)[0])
+
+
+def placed(world: World, mdp: TabularMDP, state: int) -> dict[str, Any]:
+    """Where the things of a world are in a state, in the library's words."""
+    names = [*start_of(world), *(name for name in (HELD, LAID) if name in mdp.factors)]
+    found = {name: int(mdp.factor(name)[state]) for name in names}
+    return {
+        name: list(divmod(at, world.width)) if mdp.is_cell(name) else at
+        for name, at in found.items()
+    }
+
+
+def _words(at: dict[str, Any]) -> Placement:
+    """The same with cells as the library has them."""
+    return {name: tuple(cell) if isinstance(cell, list) else cell for name, cell in at.items()}
 
 
 def _at(scene: Scene, agent: tuple[int, int]) -> Placement:
-    return placement_of(scene.world, agent=agent)
+    return {**scene.placement, "agent": agent}
 
 
 def _around(scene: Scene, places: list[Placement]) -> tuple[TabularMDP, np.ndarray]:

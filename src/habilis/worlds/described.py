@@ -54,6 +54,9 @@ def describe(
         factors[HELD] = at.held.astype(np.int32)
     if world.drop and at.laid is not None:
         factors[LAID] = at.laid.astype(np.int32)
+    flags = {"equipped": at.held != NONE, "attached": np.logical_or.reduce(held)}
+    if len(world.tools) > 1:
+        flags |= {f"equipped:{t.name}": at.held == place for place, t in enumerate(world.tools)}
     reward, transitions = rewards(terminal, next_state), next_state
     if failing is not None:
         fails = np.array([*(tool.slip for tool in world.tools), 0.0])[at.held]
@@ -65,7 +68,7 @@ def describe(
         reward=reward,
         terminal=terminal,
         factors=factors,
-        flags={"equipped": at.held != NONE, "attached": np.logical_or.reduce(held)},
+        flags=flags,
         start=start,
         shape=(world.height, world.width),
         actions=actions_of(world),

@@ -1,20 +1,22 @@
 """Placements of a world's things: in words, as arrays, and each as one number."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from typing import Any
 
 import numpy as np
 from jaxtyping import Int64
 
+from habilis.mdp import HELD, LAID
 from habilis.worlds.rules import NONE, Grid, Places
 from habilis.worlds.tools import Cells
 from habilis.worlds.world import Cell, World
 
-Placement = Mapping[str, Cell]
+Placement = Mapping[str, Any]
 """The cells of "agent", "object" and, in a world with a tool, "tool"; of several things by name, as
-"object:can"."""
+"object:can", and perhaps which tool is "held" and which was "laid" down and not left since: its
+place among the tools, -1 for none."""
 
 Keys = Int64[np.ndarray, "states"]
 
@@ -43,7 +45,7 @@ def start_of(world: World) -> dict[str, Cell]:
 
 
 def places_of(world: World, grid: Grid, placements: list[Any]) -> Places:
-    """Placements as arrays, the first tool beside the agent in hand.
+    """Placements as arrays, the first tool beside the agent in hand where they do not say which.
 
     Raises:
         ValueError: one that is none.
@@ -53,7 +55,15 @@ def places_of(world: World, grid: Grid, placements: list[Any]) -> Places:
     columns = np.array([[grid.index(cell) for cell in one] for one in cells], np.int64)
     agent, *things = columns.reshape(len(cells), 1 + len(names)).T
     tools = len(world.tools)
-    return Places.of(grid, agent, tuple(things[:tools]), tuple(things[tools:]), world.drop)
+    at = Places.of(grid, agent, tuple(things[:tools]), tuple(things[tools:]), world.drop)
+    if not world.several:
+        return at
+    held = [_tool(world, HELD, placement) for placement in placements]
+    held = np.where([one is None for one in held], at.held, [one or 0 for one in held])
+    if not world.drop:
+        return replace(at, held=held)
+    laid = [_tool(world, LAID, placement) for placement in placements]
+    return replace(at, held=held, laid=np.array([NONE if one is None else one for one in laid]))
 
 
 @dataclass(frozen=True)
@@ -129,7 +139,8 @@ def _checked(world: World, names: list[str], placement: Any) -> list[Cell]:
     """The cells of a placement, if it is one."""
     if not isinstance(placement, Mapping):
         raise ValueError(WANTED.format(placement))
-    if set(placement) != set(names):
+    said = set(placement) - ({HELD, LAID} if world.several else set())
+    if said != set(names):
         raise ValueError(
             f"a placement has {', '.join(map(str, placement)) or 'nothing'}; "
             f"{world.name} has {', '.join(names)}: give a cell for each of them"
@@ -138,6 +149,26 @@ def _checked(world: World, names: list[str], placement: Any) -> list[Cell]:
     if len(set(cells)) < len(cells):
         raise ValueError(f"a placement has two things in one cell, {dict(placement)}")
     return cells
+
+
+def _tool(world: World, name: str, placement: Mapping[str, Any]) -> int | None:
+    """Which tool is in hand, or was put down, if a placement says that."""
+    place = placement.get(name)
+    if place is None or place == NONE:
+        return place
+    if not isinstance(place, int) or not 0 <= place < len(world.tools):
+        raise ValueError(
+            f"{name} is {place!r}; give a tool's place among {len(world.tools)}, from 0, or {NONE}"
+        )
+    (row, column), (agent_row, agent_column) = (
+        placement[tool_factors(world)[place]],
+        placement["agent"],
+    )
+    if abs(row - agent_row) + abs(column - agent_column) != 1:
+        raise ValueError(
+            f"the {world.tools[place].name} is {name} and not beside the agent; put it there"
+        )
+    return place
 
 
 def _cell(world: World, name: str, cell: Any) -> Cell:

@@ -30,7 +30,8 @@ def reachable(
     Args:
         world: the map.
         placements: where everything is, once or several times; any distinct free cells, also where
-            tools lie elsewhere than on the map. The first tool beside the agent is in hand.
+            tools lie elsewhere than on the map. The first tool beside the agent is in hand, unless
+            "held" says another.
         horizon: h, in actions; `None` for all that can ever be reached.
         max_states: how many placements to accept.
         show_progress: whether to draw a progress bar on standard error.

@@ -52,7 +52,7 @@ def tabulate(
         "equipped" and "attached"; the map's placement as `start`. Of several tools and objects the
         factors are "tool:picker", "object:can", and so on; "held", which tool is in hand, from 0
         as in `World.tools`, -1 for none; and where tools can be put down "laid", which of them was
-        put down and not left since.
+        put down and not left since. Of several tools each has a flag, "equipped:picker" and so on.
 
     Raises:
         ValueError: the map has more placements, or slip is no probability.

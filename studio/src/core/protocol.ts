@@ -6,32 +6,48 @@ export type ActionSet = "all" | "moves" | "tool";
 
 /** A world and a question about it, as the server reads it. */
 export interface SceneMessage {
-  map: string;
-  tool: string;
+  drawn: Drawn;
+  /** "none" where the agent has none of those that are drawn. */
+  tool?: string;
   sensor: Sensor;
+  thing: number;
   cells: Cell[];
   horizon: number;
   actions: ActionSet;
   slip: number;
 }
 
-/** Where things are; without a tool its place is null. */
+/** A map: walls as rows of text, and its things. */
+export interface Drawn {
+  ground: string;
+  agent: Cell;
+  tools: { kind: string; cell: Cell; slip: number }[];
+  objects: { kind: string; cell: Cell; goal: Cell | null }[];
+  drop: boolean;
+}
+
+/** Where things are; of several tools, which is in hand and which was put down, -1 for none. */
 export interface Placement {
   agent: Cell;
-  tool: Cell | null;
-  object: Cell;
+  tools: Cell[];
+  objects: Cell[];
+  held?: number;
+  laid?: number;
 }
+
+/** A placement as the server says it, by the library's names. */
+export type Words = Record<string, Cell | number>;
 
 export type Drawing = [path: string, fill: string][];
 
 /** What the server says first. */
 export interface Hello {
   version: string;
-  worlds: Record<string, string>;
+  worlds: Record<string, Drawn>;
   tools: string[];
-  tool_characters: Record<string, string>;
+  objects: string[];
   actions: string[];
-  limits: { side: [number, number]; horizon: number; slip: number; training: TrainingLimits };
+  limits: { side: [number, number]; things: number; horizon: number; slip: number; training: TrainingLimits };
   training: Offered;
   shapes: Record<string, Drawing>;
   run: RunAbout | null;
@@ -74,8 +90,7 @@ export interface RunAbout {
   /** By which a training of this visit is asked for; none of the folder's own run. */
   asked?: string;
   runs: number;
-  map: string;
-  tool: string;
+  drawn: Drawn;
   config: Record<string, unknown>;
 }
 
@@ -120,11 +135,15 @@ export interface FuturesAnswer extends Common {
 export interface SolveAnswer extends Common {
   steps?: number | null;
   actions?: number[];
-  placements?: Placement[];
+}
+
+export interface ReadAnswer extends Common {
+  drawn?: Drawn;
+  text?: string;
 }
 
 export interface StepAnswer extends Common {
-  placement?: Placement;
+  placement?: Words;
   bits?: number;
   equipped?: boolean;
   attached?: boolean;
@@ -155,6 +174,7 @@ export interface TrainAnswer extends Common {
 }
 
 export interface RunAnswer extends Common {
+  drawn?: Drawn;
   policy?: { episode: number[][]; cells: (number[] | null)[][] };
   values?: Grid;
   episode?: Episode;
@@ -164,7 +184,7 @@ export interface RunAnswer extends Common {
 
 /** What the most probable actions come to. */
 export interface Episode {
-  placements: Placement[];
+  placements: Words[];
   actions: number[];
   values: number[];
   return: number;

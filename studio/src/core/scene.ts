@@ -1,14 +1,16 @@
 /** A world and the question asked about it: all that a link to the page says. */
 
-import type { ActionSet, Cell, Placement, SceneMessage, Sensor } from "./protocol";
-import { mapText, type World } from "./world";
+import type { ActionSet, Cell, Placement, SceneMessage, Sensor, Words } from "./protocol";
+import { drawnOf, libraryOrder, namesOf, several, type Tool, type World } from "./world";
 
 export interface Scene {
   readonly world: World;
-  /** A tool's name, or "none". */
-  readonly tool: string;
+  /** Whether the agent has no tool, though one may be on the map. */
+  readonly bare: boolean;
   readonly sensor: Sensor;
-  /** The cells that the sensor "cells" can see the can in. */
+  /** Which of several objects, or tools, is sensed. */
+  readonly thing: number;
+  /** The cells that the sensor "cells" can see the object in. */
   readonly cells: readonly number[];
   readonly horizon: number;
   readonly actions: ActionSet;
@@ -29,8 +31,7 @@ export const ACTION_SETS: Record<ActionSet, string> = {
   tool: "Tool",
 };
 
-/** Marks the tool's place whichever tool it is: the scene says that by name. */
-const ANY_TOOL = "P";
+export const NO_TOOL = "none";
 
 export function cellOf(world: World, index: number): Cell {
   return [Math.floor(index / world.width), index % world.width];
@@ -40,26 +41,80 @@ export function indexOf(world: World, [row, column]: Cell): number {
   return row * world.width + column;
 }
 
+/** The tools that the agent can use. */
+export function toolsOf({ world, bare }: Scene): readonly Tool[] {
+  return bare ? [] : world.tools;
+}
+
+/** The kind of its only tool, or "none"; null where there are several. */
+export function toolOf(scene: Scene): string | null {
+  const [first, ...others] = toolsOf(scene);
+  return others.length ? null : (first?.kind ?? NO_TOOL);
+}
+
+/** The name of the object that the question is about, "can" where it is about all. */
+export function objectOf({ world, sensor, thing }: Scene): string {
+  return namesOf(world.objects)[sensor === "tool" ? 0 : thing] ?? namesOf(world.objects)[0]!;
+}
+
 /** The scene as the server reads it. */
 export function message(scene: Scene): SceneMessage {
-  const { world, tool, sensor, cells, horizon, actions, slip } = scene;
+  const { world, bare, sensor, thing, cells, horizon, actions, slip } = scene;
   return {
-    map: mapText(world, ANY_TOOL),
-    tool,
+    drawn: drawnOf(world),
+    ...(bare ? { tool: NO_TOOL } : {}),
     sensor,
+    thing: libraryOrder(sensor === "tool" ? toolsOf(scene) : world.objects).indexOf(thing),
     cells: sensor === "cells" ? cells.map((cell) => cellOf(world, cell)) : [],
     horizon,
-    actions: tool === "none" ? "all" : actions,
+    actions: toolsOf(scene).length ? actions : "all",
     slip,
   };
 }
 
 /** Where the map has its things. */
 export function startOf(scene: Scene): Placement {
-  const { world, tool } = scene;
+  const { world } = scene;
   return {
     agent: cellOf(world, world.agent),
-    tool: tool === "none" || world.tool === null ? null : cellOf(world, world.tool),
-    object: cellOf(world, world.object),
+    tools: toolsOf(scene).map(({ cell }) => cellOf(world, cell)),
+    objects: world.objects.map(({ cell }) => cellOf(world, cell)),
+  };
+}
+
+/** The names of tools and objects in the library's placements, in the order that they are drawn. */
+function factors(world: World, tools: readonly Tool[]): { tools: string[]; objects: string[] } {
+  if (!several({ ...world, tools })) return { tools: tools.map(() => "tool"), objects: ["object"] };
+  return {
+    tools: namesOf(tools).map((name) => `tool:${name}`),
+    objects: namesOf(world.objects).map((name) => `object:${name}`),
+  };
+}
+
+/** A placement as the server reads it. */
+export function inWords(world: World, tools: readonly Tool[], placement: Placement): Words {
+  const names = factors(world, tools);
+  const { agent, held, laid } = placement;
+  const place = (of: number) => (of < 0 ? of : libraryOrder(tools).indexOf(of));
+  return {
+    agent,
+    ...Object.fromEntries(names.tools.map((name, of) => [name, placement.tools[of]!])),
+    ...Object.fromEntries(names.objects.map((name, of) => [name, placement.objects[of]!])),
+    ...(held === undefined ? {} : { held: place(held) }),
+    ...(laid === undefined ? {} : { laid: place(laid) }),
+  };
+}
+
+/** A placement from the server's words. */
+export function placementOf(world: World, tools: readonly Tool[], words: Words): Placement {
+  const names = factors(world, tools);
+  const { held, laid } = words as { held?: number; laid?: number };
+  const which = (place: number) => libraryOrder(tools)[place] ?? place;
+  return {
+    agent: words["agent"] as Cell,
+    tools: names.tools.map((name) => words[name] as Cell),
+    objects: names.objects.map((name) => words[name] as Cell),
+    ...(held === undefined ? {} : { held: which(held) }),
+    ...(laid === undefined ? {} : { laid: which(laid) }),
   };
 }

@@ -1,24 +1,67 @@
 /** A map as the page edits it: values that are never changed, and what makes others of them. */
 
-/** Cells are `row * width + column`. The tool keeps its place while the agent has none. */
+import type { Cell, Drawn } from "./protocol";
+
+export interface Tool {
+  readonly kind: string;
+  readonly cell: number;
+  /** How often what it does fails. */
+  readonly slip: number;
+}
+
+export interface Thing {
+  readonly kind: string;
+  readonly cell: number;
+  readonly goal: number | null;
+}
+
+/** Cells are `row * width + column`. There is an object, and the first has a goal. */
 export interface World {
   readonly height: number;
   readonly width: number;
   readonly walls: readonly boolean[];
   readonly agent: number;
-  readonly tool: number | null;
-  readonly object: number;
-  readonly goal: number;
+  readonly tools: readonly Tool[];
+  readonly objects: readonly Thing[];
+  /** Whether a tool can be put down. */
+  readonly drop: boolean;
 }
 
-export type Thing = "agent" | "tool" | "object" | "goal";
-export const THINGS: readonly Thing[] = ["agent", "tool", "object", "goal"];
+/** One of what stands on a map: the agent, or which tool, object or goal of an object. */
+export interface Standing {
+  readonly what: "agent" | "tool" | "object" | "goal";
+  readonly of: number;
+}
 
-const MARKS: Record<Exclude<Thing, "tool">, string> = { agent: "A", object: "C", goal: "G" };
+/** All that stands on a map, with its cells. */
+export function standing(world: World): [Standing, number][] {
+  const all: [Standing, number][] = [[{ what: "agent", of: 0 }, world.agent]];
+  world.tools.forEach(({ cell }, of) => all.push([{ what: "tool", of }, cell]));
+  world.objects.forEach(({ cell }, of) => all.push([{ what: "object", of }, cell]));
+  world.objects.forEach(({ goal }, of) => goal !== null && all.push([{ what: "goal", of }, goal]));
+  return all;
+}
 
 /** What is in a cell, if anything. */
-export function thingAt(world: World, cell: number): Thing | null {
-  return THINGS.find((thing) => world[thing] === cell) ?? null;
+export function thingAt(world: World, cell: number): Standing | null {
+  return standing(world).find(([, at]) => at === cell)?.[0] ?? null;
+}
+
+export function cellOfThing(world: World, { what, of }: Standing): number | null {
+  if (what === "agent") return world.agent;
+  if (what === "tool") return world.tools[of]?.cell ?? null;
+  return (what === "goal" ? world.objects[of]?.goal : world.objects[of]?.cell) ?? null;
+}
+
+/** With a thing in a cell, whatever is there. */
+function put(world: World, { what, of }: Standing, cell: number): World {
+  if (what === "agent") return { ...world, agent: cell };
+  if (what === "tool") {
+    return { ...world, tools: world.tools.with(of, { ...world.tools[of]!, cell }) };
+  }
+  const thing = world.objects[of]!;
+  const next = what === "goal" ? { ...thing, goal: cell } : { ...thing, cell };
+  return { ...world, objects: world.objects.with(of, next) };
 }
 
 /** With a wall there or without; a thing in the way stays, and the map as it was. */
@@ -28,91 +71,137 @@ export function withWall(world: World, cell: number, wall: boolean): World {
 }
 
 /** With a thing elsewhere, if that cell is free. */
-export function moved(world: World, thing: Thing, cell: number): World {
+export function moved(world: World, thing: Standing, cell: number): World {
   if (world.walls[cell] || thingAt(world, cell) !== null) return world;
-  return { ...world, [thing]: cell };
+  return put(world, thing, cell);
 }
 
-/** With the tool out of the way, for a map whose agent has none. */
-export function toolAside(world: World, cell: number): World {
-  if (world.tool !== cell) return world;
-  const taken = { ...world, tool: null, walls: world.walls.with(cell, true) };
-  const aside = settled(taken, "tool", cell);
+/** With a tool out of the way, for a map whose agent has none. */
+export function toolsAside(world: World, cell: number): World {
+  const there = thingAt(world, cell);
+  if (there?.what !== "tool") return world;
+  const blocked = { ...world, walls: world.walls.with(cell, true) };
+  const aside = settled(blocked, there, cell);
   return { ...aside, walls: aside.walls.with(cell, false) };
 }
 
-/** With a place for the tool: its own, or the nearest free one to the agent. */
-export function withToolPlace(world: World): World {
-  return world.tool === null ? settled(world, "tool", world.agent) : world;
+/** With one tool more, in the free cell that is nearest to the agent. */
+export function withTool(world: World, kind: string): World {
+  const tools = [...world.tools, { kind, cell: -1, slip: 0 }];
+  return settled({ ...world, tools }, { what: "tool", of: tools.length - 1 }, world.agent);
+}
+
+/** With one object more, near the first. */
+export function withObject(world: World, kind: string): World {
+  const objects = [...world.objects, { kind, cell: -1, goal: null }];
+  return settled({ ...world, objects }, { what: "object", of: objects.length - 1 }, objects[0]!.cell);
+}
+
+/** With a goal for an object that has none. */
+export function withGoal(world: World, of: number): World {
+  return settled(world, { what: "goal", of }, world.objects[of]!.cell);
+}
+
+/** Without a thing; the agent, the first object and its goal stay. */
+export function without(world: World, { what, of }: Standing): World {
+  const others = <One>(all: readonly One[]) => all.filter((_, place) => place !== of);
+  if (what === "tool") return { ...world, tools: others(world.tools) };
+  if (what === "agent" || of === 0) return world;
+  if (what === "object") return { ...world, objects: others(world.objects) };
+  return { ...world, objects: world.objects.with(of, { ...world.objects[of]!, goal: null }) };
 }
 
 /** The map cut or extended at its right and lower side; what was cut off comes back inside. */
 export function resized(world: World, height: number, width: number): World {
-  const old = (cell: number) => Math.floor(cell / world.width) * width + (cell % world.width);
-  const inside = (cell: number) =>
-    Math.floor(cell / world.width) < height && cell % world.width < width;
+  const old = (cell: number): Cell => [Math.floor(cell / world.width), cell % world.width];
   const walls = Array.from({ length: height * width }, (_, cell) => {
     const [row, column] = [Math.floor(cell / width), cell % width];
     return row < world.height && column < world.width && world.walls[row * world.width + column]!;
   });
-  let next: World = { height, width, walls, agent: -1, tool: null, object: -1, goal: -1 };
-  const cut: Thing[] = [];
-  for (const thing of THINGS) {
-    const cell = world[thing];
-    if (cell === null) continue;
-    if (inside(cell)) next = { ...next, [thing]: old(cell) };
-    else cut.push(thing);
+  const cut: [Standing, Cell][] = [];
+  let next: World = { ...world, height, width, walls };
+  for (const [thing, cell] of standing(world)) {
+    const [row, column] = old(cell);
+    const inside = row < height && column < width;
+    next = put(next, thing, inside ? row * width + column : -1);
+    if (!inside) cut.push([thing, [row, column]]);
   }
-  for (const thing of cut) {
-    const cell = world[thing]!;
-    const row = Math.min(Math.floor(cell / world.width), height - 1);
-    next = settled(next, thing, row * width + Math.min(cell % world.width, width - 1));
+  for (const [thing, [row, column]] of cut) {
+    const near = Math.min(row, height - 1) * width + Math.min(column, width - 1);
+    next = settled(next, thing, near);
   }
   return next;
 }
 
 /** The thing in the nearest cell where nothing is, a wall's if there is no other. */
-function settled(world: World, thing: Thing, near: number): World {
+function settled(world: World, thing: Standing, near: number): World {
   const cells = world.walls.map((_, cell) => cell).filter((cell) => thingAt(world, cell) === null);
   const away = (cell: number) =>
     Math.abs(Math.floor(cell / world.width) - Math.floor(near / world.width)) +
     Math.abs((cell % world.width) - (near % world.width)) +
     (world.walls[cell] ? world.height + world.width : 0);
   const cell = cells.reduce((best, other) => (away(other) < away(best) ? other : best));
-  return { ...world, walls: world.walls.with(cell, false), [thing]: cell };
+  return put({ ...world, walls: world.walls.with(cell, false) }, thing, cell);
 }
 
-/** The map as text; `tool` is the character of the tool, "" to leave plain floor. */
-export function mapText(world: World, tool: string): string {
-  const cells: string[] = world.walls.map((wall) => (wall ? "#" : "."));
-  for (const [thing, mark] of Object.entries(MARKS)) cells[world[thing as Thing]!] = mark;
-  if (world.tool !== null && tool) cells[world.tool] = tool;
-  return Array.from({ length: world.height }, (_, row) =>
-    cells.slice(row * world.width, (row + 1) * world.width).join(""),
-  ).join("\n");
+/** The places of things in the order in which the library has them: as a map is read, goals first. */
+export function libraryOrder(things: readonly (Tool | Thing)[]): number[] {
+  const late = (of: number) => Number("goal" in things[of]! && (things[of] as Thing).goal === null);
+  return things
+    .map((_, of) => of)
+    .sort((a, b) => late(a) - late(b) || things[a]!.cell - things[b]!.cell);
 }
 
-/** The rows of a map's text, without what is said about it. */
-export function rowsOf(text: string): string[] {
-  const rows = text.split("\n").map((line) => line.trimEnd());
-  return rows.filter((line) => line && !line.startsWith(";"));
+/** Names for things by their kinds: the second can is "can2". */
+export function namesOf(things: readonly (Tool | Thing)[]): string[] {
+  const names: string[] = [];
+  const count = new Map<string, number>();
+  for (const of of libraryOrder(things)) {
+    const kind = things[of]!.kind.split(":").at(-1)!;
+    const before = count.get(kind) ?? 0;
+    count.set(kind, before + 1);
+    names[of] = before ? `${kind}${before + 1}` : kind;
+  }
+  return names;
 }
 
-/** A map from text that the server has found to be one, and the character of its tool. */
-export function parseMap(text: string): { world: World; tool: string | null } {
-  const rows = rowsOf(text);
-  const cells = rows.join("");
-  const toolAt = [...cells].findIndex((mark) => !"#.ACG".includes(mark));
+/** Whether there is more than one tool or object, or tools can be put down. */
+export function several({ tools, objects, drop }: World): boolean {
+  return tools.length > 1 || objects.length > 1 || (drop && tools.length > 0);
+}
+
+/** As the server has it: things in the library's order. */
+export function drawnOf(world: World): Drawn {
+  const tools = libraryOrder(world.tools).map((of) => world.tools[of]!);
+  const objects = libraryOrder(world.objects).map((of) => world.objects[of]!);
+  const at = (cell: number): Cell => [Math.floor(cell / world.width), cell % world.width];
+  const row = (k: number) => world.walls.slice(k * world.width, (k + 1) * world.width);
   return {
-    world: {
-      height: rows.length,
-      width: rows[0]?.length ?? 0,
-      walls: [...cells].map((mark) => mark === "#"),
-      agent: cells.indexOf(MARKS.agent),
-      tool: toolAt < 0 ? null : toolAt,
-      object: cells.indexOf(MARKS.object),
-      goal: cells.indexOf(MARKS.goal),
-    },
-    tool: toolAt < 0 ? null : cells[toolAt]!,
+    ground: Array.from({ length: world.height }, (_, k) =>
+      row(k).map((wall) => (wall ? "#" : ".")).join(""),
+    ).join("\n"),
+    agent: at(world.agent),
+    tools: tools.map((tool) => ({ ...tool, cell: at(tool.cell) })),
+    objects: objects.map(({ kind, cell, goal }) => ({
+      kind, cell: at(cell), goal: goal === null ? null : at(goal),
+    })),
+    drop: world.drop,
+  };
+}
+
+export function worldOf({ ground, agent, tools, objects, drop }: Drawn): World {
+  const rows = ground.split("\n");
+  const width = rows[0]!.length;
+  const at = ([row, column]: Cell) => row * width + column;
+  return {
+    height: rows.length,
+    width,
+    walls: [...rows.join("")].map((mark) => mark === "#"),
+    agent: at(agent),
+    tools: tools.map((tool) => ({ ...tool, cell: at(tool.cell) })),
+    objects: objects.map(({ kind, cell, goal }) => ({
+      kind, cell: at(cell), goal: goal === null ? null : at(goal),
+    })),
+    drop,
   };
 }

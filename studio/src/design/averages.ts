@@ -4,6 +4,7 @@ import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { Measured } from "../core/measuring";
 import type { Verdict } from "../core/protocol";
+import { objectOf, toolOf, toolsOf } from "../core/scene";
 import { drawingOf, icon } from "../draw/shapes";
 import { nameOfTool } from "./bar";
 
@@ -23,7 +24,10 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
   const waiting = h("p", { class: "quiet" });
 
   function show({ averages, within, verdicts, compared, error, why }: Measured): void {
-    const { tool } = store.scene();
+    const scene = store.scene();
+    const tool = toolOf(scene);
+    const here = new Set(toolsOf(scene).map(({ kind }) => kind));
+    const object = objectOf(scene);
     const most = Math.max(...Object.values(averages).map((bits) => bits ?? 0), 1e-9);
     for (const [name, { row, bar, bits }] of rows) {
       const value = averages[name];
@@ -31,14 +35,14 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
       bits.textContent = value === undefined || value === null ? "–" : inWords(value, about);
       row.title = about ? `between ${(value! - about).toFixed(2)} and ${(value! + about).toFixed(2)}, with 95 % confidence` : "";
       bar.style.setProperty("--share", String(Math.max((value ?? 0) / most, 0)));
-      row.classList.toggle("chosen", name === tool);
+      row.classList.toggle("chosen", here.has(name) || name === tool);
       row.dataset.fresh = String(compared.includes(name));
     }
     const estimated = Object.values(within).some((about) => about > 0);
-    waiting.textContent = `Bits at the can, over ${estimated ? "some of all its places." : "all its places."}`;
-    const said = error ? [] : why !== null ? [why] : sentence(tool, averages, verdicts[tool]);
+    waiting.textContent = `Bits at the ${object}, over ${estimated ? "some of " : ""}all its places${tool === null ? ", each tool alone" : ""}.`;
+    const said = error ? [] : why !== null ? [why] : tool === null ? [] : sentence(tool, object, averages, verdicts[tool]);
     verdict.replaceChildren(...said);
-    verdict.dataset.kind = kindOf(why === null ? verdicts[tool] : undefined);
+    verdict.dataset.kind = kindOf(why === null && tool !== null ? verdicts[tool] : undefined);
   }
 
   measuring.watch(show);
@@ -67,6 +71,7 @@ function kindOf(verdict: Verdict | undefined): string {
 
 function sentence(
   tool: string,
+  object: string,
   averages: Record<string, number | null>,
   verdict: Verdict | undefined,
 ): (Node | string)[] {
@@ -75,7 +80,7 @@ function sentence(
   if (tool === "none") return ["Choose a tool to see whether it would help."];
   if (!verdict || own == null || bare == null) return [];
   if (!verdict.useful) {
-    return [h("strong", {}, `The ${name} is useless here`), ": with it, nothing can be done to the can."];
+    return [h("strong", {}, `The ${name} is useless here`), `: with it, nothing can be done to the ${object}.`];
   }
   if (verdict.better_than_none === null) {
     return [h("strong", {}, "Too close to call"), `: about as much as with bare hands.`];

@@ -2,9 +2,12 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
-import { mapText, parseMap, resized, rowsOf, withToolPlace } from "../core/world";
+import { NO_TOOL, toolOf } from "../core/scene";
+import { drawnOf, resized, withTool, worldOf } from "../core/world";
 import { drawingOf, icon } from "../draw/shapes";
 import { iconButton, segmented, select } from "../frame/widgets";
+import { createAdd } from "./add";
+import { fitted } from "./editor";
 import { openMapText } from "./map-text";
 
 const OWN = "your own";
@@ -12,17 +15,17 @@ const OWN = "your own";
 export function createBars(app: App): { above: HTMLElement; below: HTMLElement } {
   const { hello, store } = app;
   const names = Object.keys(hello.worlds);
-  const codes = new Map(names.map((name) => [rowsOf(hello.worlds[name]!).join("\n"), name]));
+  const code = (drawn: object) => JSON.stringify(drawn);
+  const codes = new Map(names.map((name) => [code(drawnOf(worldOf(hello.worlds[name]!))), name]));
 
   const worlds = select("Built-in worlds", { "": OWN, ...Object.fromEntries(names.map((n) => [n, n])) }, load);
   worlds.id = "worlds";
   worlds.options[0]!.hidden = true;
   function load(name: string): void {
-    const text = hello.worlds[name];
-    if (text === undefined) return;
-    const { world, tool } = parseMap(text);
-    const known = (tool && hello.tool_characters[tool]) ?? "none";
-    store.change({ world, tool: known, cells: [] });
+    const drawn = hello.worlds[name];
+    if (drawn === undefined) return;
+    const world = worldOf(drawn);
+    store.change(fitted({ ...store.scene(), world, bare: !world.tools.length, cells: [] }));
   }
 
   const undo = iconButton("undo", "Undo (Ctrl+Z)", store.undo, "undo");
@@ -38,14 +41,24 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
     Object.fromEntries(
       hello.tools.map((tool) => [
         tool,
-        tool === "none" ? ["No tool"] : [icon(drawingOf(tool), 20), nameOfTool(tool)],
+        tool === NO_TOOL
+          ? ["None"]
+          : [icon(drawingOf(tool), 20), h("span", { class: "segment-name" }, nameOfTool(tool))],
       ]),
     ),
     (tool) => {
-      const { world, sensor } = store.scene();
-      if (tool !== "none") store.change({ tool, world: withToolPlace(world) });
-      else store.change({ tool, sensor: sensor === "tool" ? "object" : sensor });
+      const scene = store.scene();
+      const { world } = scene;
+      if (tool === NO_TOOL) return store.change(fitted({ ...scene, bare: true }));
+      const next = world.tools.length
+        ? { ...world, tools: world.tools.with(0, { ...world.tools[0]!, kind: tool }) }
+        : withTool(world, tool);
+      store.change(fitted({ ...scene, world: next, bare: false }));
     },
+  );
+  tools.element.classList.add("tools");
+  const inUse = segmented("Tools", { all: ["All tools"], none: ["No tool"] }, (chosen) =>
+    store.change(fitted({ ...store.scene(), bare: chosen === "none" })),
   );
 
   const [least, most] = hello.limits.side;
@@ -68,13 +81,15 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
   rows.addEventListener("change", resize);
   columns.addEventListener("change", resize);
 
-  store.watch(({ world, tool }) => {
-    const character = Object.entries(hello.tool_characters).find(([, name]) => name === tool)?.[0];
-    worlds.value = codes.get(mapText(world, character ?? "P")) ?? "";
-    if (!worlds.value && tool === "none") worlds.value = codes.get(mapText(world, "P")) ?? "";
+  store.watch((scene) => {
+    const { world, bare } = scene;
+    worlds.value = codes.get(code(drawnOf(world))) ?? "";
     undo.disabled = !store.canUndo();
     redo.disabled = !store.canRedo();
-    tools.show(tool);
+    tools.element.hidden = world.tools.length > 1;
+    inUse.element.hidden = !tools.element.hidden;
+    tools.show(toolOf(scene) ?? "");
+    inUse.show(bare ? "none" : "all");
     rows.value = String(world.height);
     columns.value = String(world.width);
   });
@@ -90,7 +105,7 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
     below: h(
       "div",
       { class: "card-foot" },
-      tools.element,
+      h("div", { class: "buttons" }, tools.element, inUse.element, createAdd(app)),
       h("div", { class: "size" }, rows, h("span", {}, "×"), columns),
     ),
   };
@@ -99,5 +114,6 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
 /** A tool of one's own goes by its file and class; the class says enough. */
 export function nameOfTool(tool: string): string {
   const name = tool.split(":").at(-1)!;
-  return name === "none" ? "No tool" : name[0]!.toUpperCase() + name.slice(1);
+  if (name === "none") return "No tool";
+  return name[0]!.toUpperCase() + name.slice(1) + (tool.includes(":") ? " (yours)" : "");
 }

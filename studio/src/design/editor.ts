@@ -2,12 +2,14 @@
 
 import type { App } from "../core/app";
 import type { Cell } from "../core/protocol";
-import { cellOf, indexOf, startOf, type Scene } from "../core/scene";
-import { moved, thingAt, toolAside, withWall, type Thing, type World } from "../core/world";
+import { indexOf, startOf, toolsOf, type Scene } from "../core/scene";
+import {
+  cellOfThing, moved, namesOf, thingAt, toolsAside, without, withWall, type Standing, type World,
+} from "../core/world";
 import { createBoard, type Board } from "../draw/board";
+import { stood } from "../draw/things";
 
-const WORDS: Record<Thing, string> = { agent: "agent", tool: "tool", object: "can", goal: "bin" };
-const KEYS: Record<string, Thing> = { a: "agent", t: "tool", c: "object", b: "goal" };
+const KEYS: Record<string, Standing["what"]> = { a: "agent", t: "tool", c: "object", b: "goal" };
 export const ARROWS: Record<string, Cell> = {
   ArrowUp: [-1, 0],
   ArrowRight: [0, 1],
@@ -15,7 +17,7 @@ export const ARROWS: Record<string, Cell> = {
   ArrowLeft: [0, -1],
 };
 
-type Hand = { thing: Thing } | { wall: boolean; last: Cell };
+type Hand = { thing: Standing; off: boolean } | { wall: boolean; last: Cell };
 
 export function createEditor({ store }: App): Board {
   const board = createBoard("The world: draw walls, drag things", "world-board");
@@ -23,19 +25,22 @@ export function createEditor({ store }: App): Board {
   let hand: Hand | null = null;
   let gesture = 0;
 
-  /** What is there as one sees it: the tool is not, when the agent has none. */
-  const seenAt = (scene: Scene, cell: number) => {
-    const thing = thingAt(scene.world, cell);
-    return thing === "tool" && scene.tool === "none" ? null : thing;
-  };
-  const makeRoom = ({ world, tool }: Scene, cell: number) =>
-    tool === "none" ? toolAside(world, cell) : world;
+  const makeRoom = ({ world, bare }: Scene, cell: number) =>
+    bare ? toolsAside(world, cell) : world;
 
-  function put(thing: Thing, cell: Cell, gesture?: string): void {
+  function put(thing: Standing, cell: Cell, gesture?: string): void {
     const scene = store.scene();
     const at = indexOf(scene.world, cell);
     const world = moved(makeRoom(scene, at), thing, at);
-    if (world[thing] === at && scene.world[thing] !== at) store.change({ world }, gesture);
+    const [before, after] = [scene.world, world].map((one) => cellOfThing(one, thing));
+    if (after === at && before !== at) store.change({ world }, gesture);
+  }
+
+  /** Takes a thing off the map, if the map can be without it. */
+  function remove(thing: Standing, gesture?: string): void {
+    const scene = store.scene();
+    const world = without(scene.world, thing);
+    if (world !== scene.world) store.change(fitted({ ...scene, world }), gesture);
   }
 
   function paint(cells: Cell[], wall: boolean, gesture?: string): void {
@@ -56,12 +61,14 @@ export function createEditor({ store }: App): Board {
     const scene = store.scene();
     const at = indexOf(scene.world, cell);
     const thing = seenAt(scene, at);
-    hand = thing === null ? { wall: !scene.world.walls[at], last: cell } : { thing };
+    hand = thing === null ? { wall: !scene.world.walls[at], last: cell } : { thing, off: false };
     picture.dataset.hand = thing === null ? "wall" : "thing";
     if ("wall" in hand) paint([cell], hand.wall, `drag ${gesture}`);
   });
   picture.addEventListener("pointermove", (event) => {
     const cell = board.cellAt(event);
+    if (hand !== null && "thing" in hand) hand.off = cell === null;
+    picture.dataset.off = String(hand !== null && "thing" in hand && hand.off);
     if (cell === null) return;
     if (hand === null) {
       const scene = store.scene();
@@ -74,6 +81,9 @@ export function createEditor({ store }: App): Board {
   });
   for (const end of ["pointerup", "pointercancel"]) {
     picture.addEventListener(end, () => {
+      if (end === "pointerup" && hand && "thing" in hand && hand.off) {
+        remove(hand.thing, `drag ${gesture}`);
+      }
       hand = null;
       delete picture.dataset.hand;
     });
@@ -82,27 +92,27 @@ export function createEditor({ store }: App): Board {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const [row, column] = board.cursor();
     const step = ARROWS[event.key];
-    const thing = KEYS[event.key.toLowerCase()];
+    const what = KEYS[event.key.toLowerCase()];
     if (step) board.moveCursor([row + step[0], column + step[1]]);
     else if (event.key === " " || event.key === "Enter") {
       const { world } = store.scene();
       paint([[row, column]], !world.walls[indexOf(world, [row, column])]);
-    } else if (thing && !(thing === "tool" && store.scene().tool === "none")) {
-      put(thing, [row, column]);
+    } else if (event.key === "Delete" || event.key === "Backspace") {
+      const scene = store.scene();
+      const there = seenAt(scene, indexOf(scene.world, [row, column]));
+      if (there) remove(there);
+    } else if (what && !(what === "tool" && !toolsOf(store.scene()).length)) {
+      put({ what, of: 0 }, [row, column]);
     } else return;
     event.preventDefault();
   });
 
   store.watch((scene) => {
-    const { world, tool } = scene;
+    const { world } = scene;
     board.draw({
-      height: world.height,
-      width: world.width,
-      walls: world.walls,
-      goal: cellOf(world, world.goal),
-      things: startOf(scene),
-      tool,
-      label: (cell) => `${rowColumn(cell)}: ${contentOf(scene, seenAt, indexOf(world, cell))}`,
+      world,
+      things: stood(world, toolsOf(scene), startOf(scene)),
+      label: (cell) => `${rowColumn(cell)}: ${contentOf(scene, indexOf(world, cell))}`,
     });
   });
   return board;
@@ -112,14 +122,28 @@ export function rowColumn([row, column]: Cell): string {
   return `row ${row + 1}, column ${column + 1}`;
 }
 
-function contentOf(
-  scene: Scene,
-  seenAt: (scene: Scene, cell: number) => Thing | null,
-  cell: number,
-): string {
-  const thing = seenAt(scene, cell);
-  if (thing !== null) return WORDS[thing];
-  return scene.world.walls[cell] ? "wall" : "floor";
+/** What is there as one sees it: tools are not, when the agent has none. */
+function seenAt({ world, bare }: Scene, cell: number): Standing | null {
+  const thing = thingAt(world, cell);
+  return bare && thing?.what === "tool" ? null : thing;
+}
+
+function contentOf(scene: Scene, cell: number): string {
+  const { world } = scene;
+  const there = seenAt(scene, cell);
+  if (there === null) return world.walls[cell] ? "wall" : "floor";
+  if (there.what === "agent") return "agent";
+  const name = namesOf(there.what === "tool" ? world.tools : world.objects)[there.of]!;
+  const several = world.objects.length > 1;
+  if (there.what === "goal") return several ? `bin of the ${name}` : "bin";
+  return there.what === "tool" && world.tools.length === 1 ? "tool" : name;
+}
+
+/** The scene with a question that its world can answer. */
+export function fitted(scene: Scene): Scene {
+  const among = scene.sensor === "tool" ? toolsOf(scene) : scene.world.objects;
+  const sensor = scene.sensor === "tool" && !among.length ? "object" : scene.sensor;
+  return { ...scene, sensor, thing: sensor === scene.sensor && scene.thing < among.length ? scene.thing : 0 };
 }
 
 /** The cells of a line, so that a fast drag leaves no gaps. */

@@ -5,8 +5,10 @@ import type { Asked } from "../core/connection";
 import { h } from "../core/elements";
 import type { Measured } from "../core/measuring";
 import type { Cell, FuturesAnswer, Sensor } from "../core/protocol";
-import { cellOf, indexOf, message, startOf } from "../core/scene";
+import { cellOf, indexOf, message, objectOf, startOf, toolsOf, type Scene } from "../core/scene";
+import { namesOf } from "../core/world";
 import { createBoard, type Mark } from "../draw/board";
+import { stood } from "../draw/things";
 import { same } from "../draw/cells";
 import { scaleOf } from "../draw/heat";
 import { createScaleBar } from "../draw/scale";
@@ -14,15 +16,21 @@ import { ARROWS, rowColumn } from "./editor";
 
 const HOVER_WAIT = 40;
 const HINT = "Point at a cell to see what could be brought about from there.";
-const HINT_CELLS = "Click cells to choose where the can is seen; point at one to see its futures.";
 
-const COUNTED: Record<Sensor, (count: number) => string> = {
-  object: (n) => `the can could be brought to ${n} ${n === 1 ? "place" : "places"}`,
-  tool: (n) => `the tool could be brought to ${n} ${n === 1 ? "place" : "places"}`,
+const COUNTED: Record<Sensor, (count: number, name: string) => string> = {
+  object: (n, name) => `the ${name} could be brought to ${n} ${n === 1 ? "place" : "places"}`,
+  tool: (n, name) => `the ${name} could be brought to ${n} ${n === 1 ? "place" : "places"}`,
   agent: (n) => `the agent could be in ${n} ${n === 1 ? "place" : "places"}`,
-  state: (n) => `${n} different ${n === 1 ? "state" : "states"} of everything; marked: the can`,
-  cells: (n) => `${n} different ${n === 1 ? "sight" : "sights"} of the can`,
+  state: (n, name) => `${n} different ${n === 1 ? "state" : "states"} of everything; marked: the ${name}`,
+  cells: (n, name) => `${n} different ${n === 1 ? "sight" : "sights"} of the ${name}`,
 };
+
+/** What the sensor is of, in words. */
+function sensed(scene: Scene): string {
+  const { world, sensor, thing } = scene;
+  if (sensor !== "tool") return objectOf(scene);
+  return world.tools.length > 1 ? namesOf(world.tools)[thing]! : "tool";
+}
 
 export function createLandscape({ connection, store, measuring }: App): HTMLElement {
   const board = createBoard("The landscape: bits for every cell of the agent", "landscape-board");
@@ -41,17 +49,14 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
 
   function draw(): void {
     const scene = store.scene();
-    const { world, tool } = scene;
+    const { world } = scene;
+    const start = startOf(scene);
     const { landscape, least, most, scene: of } = measuring.latest();
     const fits = of?.world.height === world.height && of.world.width === world.width;
     const grid = landscape && fits ? landscape : null;
     board.draw({
-      height: world.height,
-      width: world.width,
-      walls: world.walls,
-      goal: cellOf(world, world.goal),
-      things: hovered && marks ? { ...startOf(scene), agent: hovered } : startOf(scene),
-      tool,
+      world,
+      things: stood(world, toolsOf(scene), hovered && marks ? { ...start, agent: hovered } : start),
       values: grid && { grid, scale: scaleOf(least, most) },
       chosen: scene.sensor === "cells" ? scene.cells.map((cell) => cellOf(world, cell)) : [],
       marks,
@@ -75,7 +80,10 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
   }
 
   function hint(): string {
-    return store.scene().sensor === "cells" ? HINT_CELLS : HINT;
+    const scene = store.scene();
+    return scene.sensor === "cells"
+      ? `Click cells to choose where the ${objectOf(scene)} is seen; point at one to see its futures.`
+      : HINT;
   }
 
   function hover(cell: Cell | null): void {
@@ -106,7 +114,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
       cell: [row, column],
       weight: probability / likeliest,
     }));
-    const words = COUNTED[store.scene().sensor](count ?? things.length);
+    const words = COUNTED[store.scene().sensor](count ?? things.length, sensed(store.scene()));
     told.replaceChildren(
       `From ${rowColumn(cell)}: `,
       h("strong", {}, `${bits.toFixed(2)} bits`),

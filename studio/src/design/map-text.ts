@@ -2,37 +2,42 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
-import type { LandscapeAnswer } from "../core/protocol";
-import { message } from "../core/scene";
-import { mapText, parseMap, rowsOf } from "../core/world";
+import type { ReadAnswer } from "../core/protocol";
+import { NO_TOOL } from "../core/scene";
+import { drawnOf, worldOf } from "../core/world";
 import { openDialog } from "../frame/dialog";
 import { button, notice } from "../frame/widgets";
 
-export function openMapText({ connection, store, hello }: App): void {
-  const scene = store.scene();
-  const character = Object.entries(hello.tool_characters).find(([, name]) => name === scene.tool);
+export function openMapText({ connection, store }: App): void {
+  const { world, bare } = store.scene();
   const area = h("textarea", { id: "text", spellcheck: "false", "aria-label": "Map text" });
-  area.rows = Math.min(Math.max(scene.world.height + 1, 8), 22);
-  area.value = mapText(scene.world, character?.[0] ?? "");
+  area.rows = Math.min(Math.max(world.height + 2, 8), 22);
   const fault = h("p", { class: "fault", role: "alert" });
+
+  /** What the library makes of a map, drawn or as text. */
+  function read(map: object, then: (answer: Required<Pick<ReadAnswer, "drawn" | "text">>) => void) {
+    const asked = connection.ask<ReadAnswer>("read", { scene: map }, ({ error, drawn, text }) => {
+      if (error !== undefined) fault.textContent = error;
+      else if (drawn && text !== undefined) {
+        asked.forget();
+        then({ drawn, text });
+      }
+    });
+  }
+
+  read({ drawn: drawnOf(world), ...(bare ? { tool: NO_TOOL } : {}) }, ({ text }) => {
+    area.value ||= text.trimEnd();
+  });
 
   function takeIn(): void {
     fault.textContent = "";
-    const map = rowsOf(area.value).join("\n");
-    const { tool } = parseMap(map);
-    const name = (tool && hello.tool_characters[tool]) ?? "none";
-    const asked = connection.ask<LandscapeAnswer>(
-      "landscape",
-      { scene: { ...message(scene), map, tool: name, cells: [], sensor: "object", horizon: 0 } },
-      (answer) => {
-        if (answer.error !== undefined) fault.textContent = answer.error;
-        else if (answer.landscape) {
-          asked.forget();
-          store.change({ world: parseMap(map).world, tool: name, cells: [] });
-          close();
-        }
-      },
-    );
+    read({ map: area.value }, ({ drawn }) => {
+      const taken = worldOf(drawn);
+      const bare = !taken.tools.length;
+      const sensor = bare && store.scene().sensor === "tool" ? "object" : store.scene().sensor;
+      store.change({ world: taken, bare, cells: [], sensor, thing: 0 });
+      close();
+    });
   }
 
   const copy = button("Copy", async () => {
@@ -54,7 +59,7 @@ export function openMapText({ connection, store, hello }: App): void {
     h(
       "p",
       { class: "quiet" },
-      "One character a cell: # wall, . floor, A agent, P picker, B broom, C can, G bin.",
+      "One character a cell: # wall, . floor, A agent, P picker, B broom, C can, G bin. Lines above the map bind others: R = rake, D = ball, H = goal of D, drop: true.",
     ),
     area,
     fault,

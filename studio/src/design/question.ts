@@ -3,13 +3,18 @@
 import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { ActionSet, Sensor } from "../core/protocol";
-import { ACTION_SETS, SENSORS } from "../core/scene";
+import { ACTION_SETS, SENSORS, toolsOf, type Scene } from "../core/scene";
+import { namesOf, type Thing, type Tool } from "../core/world";
 import { field, segmented, select, slider } from "../frame/widgets";
 
 export function createQuestion({ hello, store }: App): HTMLElement {
   const { limits } = hello;
-  const sensor = select<Sensor>("What is sensed", SENSORS, (sensor) => store.change({ sensor }));
+  const sensor = select("What is sensed", choices(store.scene()), (chosen) => {
+    const [sensor, thing] = chosen.split(" ") as [Sensor, string | undefined];
+    store.change({ sensor, thing: Number(thing ?? 0) });
+  });
   sensor.id = "sensor";
+  let offered = "";
   const horizon = slider(
     "Steps ahead",
     { id: "horizon", least: 0, most: limits.horizon, step: 1 },
@@ -28,12 +33,19 @@ export function createQuestion({ hello, store }: App): HTMLElement {
     (slip) => store.change({ slip }, "slip"),
   );
   store.watch((scene) => {
-    sensor.value = scene.sensor;
-    sensor.options[Object.keys(SENSORS).indexOf("tool")]!.disabled = scene.tool === "none";
+    const offers = choices(scene);
+    if (offered !== JSON.stringify(offers)) {
+      offered = JSON.stringify(offers);
+      sensor.replaceChildren(
+        ...Object.entries(offers).map(([value, text]) => h("option", { value }, text)),
+      );
+    }
+    const several = (scene.sensor === "object" || scene.sensor === "tool") && scene.thing > 0;
+    sensor.value = several ? `${scene.sensor} ${scene.thing}` : scene.sensor;
     horizon.show(scene.horizon);
     actions.show(
-      scene.tool === "none" ? "all" : scene.actions,
-      scene.tool === "none" ? ["moves", "tool"] : [],
+      toolsOf(scene).length ? scene.actions : "all",
+      toolsOf(scene).length ? [] : ["moves", "tool"],
     );
     slip.show(scene.slip);
   });
@@ -45,4 +57,26 @@ export function createQuestion({ hello, store }: App): HTMLElement {
     field("Actions", actions.element),
     slip.element,
   );
+}
+
+/** What can be sensed, each thing by its name; the first of its kind stands for the kind. */
+function choices(scene: Scene): Record<string, string> {
+  const { world } = scene;
+  const tools = toolsOf(scene);
+  const named = (sensor: Sensor, things: readonly (Tool | Thing)[], only: string) =>
+    namesOf(things).map((name, of) => [
+      of ? `${sensor} ${of}` : sensor,
+      things.length > 1 || sensor === "object" ? capital(name) : only,
+    ]);
+  return Object.fromEntries([
+    ...named("object", world.objects, SENSORS.object),
+    ["state", SENSORS.state],
+    ...named("tool", tools, SENSORS.tool),
+    ["agent", SENSORS.agent],
+    ["cells", SENSORS.cells],
+  ]);
+}
+
+function capital(word: string): string {
+  return word[0]!.toUpperCase() + word.slice(1);
 }

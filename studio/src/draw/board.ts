@@ -1,11 +1,13 @@
 /** A map as a picture that can be pointed at: floor, values, walls, things, marks, a cursor. */
 
 import { h, set, svg } from "../core/elements";
-import type { Cell, Placement } from "../core/protocol";
+import type { Cell } from "../core/protocol";
+import type { World } from "../core/world";
 import { movesOf, roseOf } from "./arrows";
 import { box, clamp, corner, everyCell, redraw, same, square, UNIT } from "./cells";
 import { colourOf, inkOn, type Scale } from "./heat";
-import { drawingOf, use } from "./shapes";
+import { use } from "./shapes";
+import type { Stood } from "./things";
 
 const READABLE = 29; // pixels of a cell in which its value can be read
 
@@ -16,12 +18,9 @@ export interface Mark {
 }
 
 export interface Picture {
-  height: number;
-  width: number;
-  walls: readonly boolean[];
-  goal: Cell | null;
-  things: Partial<Placement>;
-  tool: string;
+  world: World;
+  /** What stands where. */
+  things: readonly Stood[];
   /** Bits for each cell, with the scale of their colours. */
   values?: { grid: (number | null)[][]; scale: Scale; unlabelled?: boolean } | null;
   /** Cells that the sensor can see. */
@@ -74,27 +73,28 @@ export function createBoard(name: string, id: string, moving = false): Board {
   let size = "";
 
   function draw(next: Picture): void {
-    const { height, width } = next;
+    const { height, width, walls: walled } = next.world;
     if (size !== `${height}x${width}`) {
       size = `${height}x${width}`;
       set(picture, "viewBox", `0 0 ${width * UNIT} ${height * UNIT}`);
       element.style.setProperty("--ratio", String(width / height));
       element.style.setProperty("--rows", String(height));
-      floor.innerHTML = everyCell(next, (cell) => box("floor", cell));
+      floor.innerHTML = everyCell(next.world, (cell) => box("floor", cell));
       const most: Cell = [Math.min(at[0], height - 1), Math.min(at[1], width - 1)];
       at = most;
     }
     shown = next;
-    const wall = ([row, column]: Cell) => next.walls[row * width + column] ?? false;
-    redraw(walls, everyCell(next, (cell) => (wall(cell) ? use("wall", ...corner(cell), UNIT) : "")));
+    const wall = ([row, column]: Cell) => walled[row * width + column] ?? false;
+    redraw(walls, everyCell(next.world, (cell) => (wall(cell) ? use("wall", ...corner(cell), UNIT) : "")));
     drawValues(next);
     redraw(chosen, (next.chosen ?? []).map((cell) => box("chosen", cell, 8)).join(""));
     redraw(marks, (next.marks ?? []).map((mark) => markOf(mark, isThing(next, mark.cell))).join(""));
-    redraw(arrows, next.arrows ? everyCell(next, (cell) => arrowsOf(next, cell)) : "");
-    redraw(now, next.now && next.things.agent ? movesOf(next.things.agent, next.now) : "");
+    redraw(arrows, next.arrows ? everyCell(next.world, (cell) => arrowsOf(next, cell)) : "");
+    const agent = next.things.find(({ thing }) => thing.what === "agent");
+    redraw(now, next.now && agent ? movesOf(agent.cell, next.now) : "");
     picture.classList.toggle("marked", (next.marks?.length ?? 0) > 0);
     drawThings(next);
-    redraw(cells, everyCell(next, (cell) => nameOf(next, cell), '<g role="row">', "</g>"));
+    redraw(cells, everyCell(next.world, (cell) => nameOf(next, cell), '<g role="row">', "</g>"));
     moveCursor(at);
   }
 
@@ -108,17 +108,17 @@ export function createBoard(name: string, id: string, moving = false): Board {
     const value = ([row, column]: Cell) => values.grid[row]?.[column] ?? null;
     redraw(
       heat,
-      everyCell(next, (cell) => {
+      everyCell(next.world, (cell) => {
         const bits = value(cell);
         return bits === null
           ? ""
           : box("value", cell, 1, ` fill="${colourOf(bits, values.scale)}"`);
       }),
     );
-    const small = values.unlabelled || picture.clientWidth / next.width < READABLE;
+    const small = values.unlabelled || picture.clientWidth / next.world.width < READABLE;
     redraw(
       labels,
-      everyCell(next, (cell) => {
+      everyCell(next.world, (cell) => {
         const bits = value(cell);
         if (bits === null || small) return "";
         const [x, y] = corner(cell);
@@ -130,41 +130,40 @@ export function createBoard(name: string, id: string, moving = false): Board {
   }
 
   function drawThings(next: Picture): void {
-    const { agent, tool, object } = next.things;
-    const inBin = object !== undefined && next.goal !== null && same(object, next.goal);
-    const over = [agent, tool].some((cell) => cell && next.goal && same(cell, next.goal));
     const valued = (cell: Cell) => (next.values?.grid[cell[0]]?.[cell[1]] ?? null) !== null;
-    const stand = (name: string, cell: Cell | null | undefined, drawing: string, turn = 0) => {
-      let group = standing.get(name);
-      if (!cell) {
-        group?.remove();
-        standing.delete(name);
-        return;
+    const left = new Set(standing.keys());
+    const corners: string[] = [];
+    for (const { thing, cell, drawing, turn, badge, hidden } of next.things) {
+      const [x, y] = corner(cell);
+      if (hidden) {
+        corners.push(use(drawing, x + 56, y + 54, 44));
+        continue;
       }
+      const id = `${thing.what}${thing.of}`;
+      left.delete(id);
+      let group = standing.get(id);
       if (group === undefined) {
-        group = svg("g", { class: `thing ${name}` });
-        standing.set(name, group);
+        group = svg("g", { class: `thing ${thing.what}` });
+        standing.set(id, group);
       }
       things.append(group);
-      const [x, y] = corner(cell);
-      const [left, top, wide] = !next.values ? [4, 4, 92] : valued(cell) ? [21, 4, 58] : [10, 10, 80];
+      const [at, top, wide] = !next.values ? [4, 4, 92] : valued(cell) ? [21, 4, 58] : [10, 10, 80];
       group.style.transform = `translate(${x}px, ${y}px)`;
-      const plate = use("plate", left, top, wide);
-      const around = `rotate(${turn} ${left + wide / 2} ${top + wide / 2})`;
-      redraw(group, `${plate}<g transform="${around}">${use(drawing, left, top, wide)}</g>`);
-    };
-    stand("object", inBin ? null : object, "can");
-    const turn = agent && tool ? facing(agent, tool) : 0;
-    stand("tool", tool, drawingOf(next.tool), turn);
-    stand("agent", agent, "agent");
-    stand("goal", over ? null : next.goal, inBin ? "full bin" : "bin");
-    const corners = over && next.goal ? corner(next.goal) : null;
-    redraw(goal, corners ? use("bin", corners[0] + 56, corners[1] + 54, 44) : "");
+      const plate = use("plate", at, top, wide);
+      const around = `rotate(${turn} ${at + wide / 2} ${top + wide / 2})`;
+      const mark = badge ? use(badge, at + 0.28 * wide, top + 0.36 * wide, 0.44 * wide) : "";
+      redraw(group, `${plate}<g transform="${around}">${use(drawing, at, top, wide)}</g>${mark}`);
+    }
+    for (const id of left) {
+      standing.get(id)!.remove();
+      standing.delete(id);
+    }
+    redraw(goal, corners.join(""));
   }
 
   function moveCursor(cell: Cell): void {
     if (shown === null) return;
-    at = [clamp(cell[0], shown.height - 1), clamp(cell[1], shown.width - 1)];
+    at = [clamp(cell[0], shown.world.height - 1), clamp(cell[1], shown.world.width - 1)];
     const [x, y] = corner(at);
     set(ring, "x", x);
     set(ring, "y", y);
@@ -185,7 +184,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
       if (shown === null || matrix === null) return null;
       const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
       const cell: Cell = [Math.floor(point.y / UNIT), Math.floor(point.x / UNIT)];
-      const inside = cell[0] >= 0 && cell[1] >= 0 && cell[0] < shown.height && cell[1] < shown.width;
+      const inside = cell[0] >= 0 && cell[1] >= 0 && cell[0] < shown.world.height && cell[1] < shown.world.width;
       return inside ? cell : null;
     },
     cursor: () => at,
@@ -193,9 +192,8 @@ export function createBoard(name: string, id: string, moving = false): Board {
   };
 }
 
-function isThing({ things, goal }: Picture, cell: Cell): boolean {
-  const cells = [things.agent, things.tool, things.object, goal];
-  return cells.some((other) => other && same(other, cell));
+function isThing({ things }: Picture, cell: Cell): boolean {
+  return things.some((thing) => same(thing.cell, cell));
 }
 
 function arrowsOf(picture: Picture, cell: Cell): string {
@@ -209,10 +207,4 @@ function markOf({ cell, weight }: Mark, occupied: boolean): string {
   const [x, y] = corner(cell);
   const radius = 14 + 20 * Math.sqrt(weight);
   return `<circle class="mark" cx="${x + 50}" cy="${y + 50}" r="${radius.toFixed(1)}"/>`;
-}
-
-/** A tool in hand faces away from the agent; drawings face south. */
-function facing(agent: Cell, tool: Cell): number {
-  const side = `${tool[0] - agent[0]},${tool[1] - agent[1]}`;
-  return { "0,-1": 90, "-1,0": 180, "0,1": 270 }[side] ?? 0;
 }

@@ -1,31 +1,25 @@
 /** Things on a board that are taken up and put elsewhere with the mouse. */
 
-import type { Cell, Placement } from "../core/protocol";
+import type { Cell } from "../core/protocol";
+import type { Standing } from "../core/world";
 import type { Board } from "./board";
 import { same } from "./cells";
-
-export type Dragged = keyof Placement;
-const DRAGGED: readonly Dragged[] = ["agent", "tool", "object"];
-
-/** What is in a cell, if it can be dragged. */
-export function draggedAt(things: Partial<Placement>, cell: Cell): Dragged | null {
-  return DRAGGED.find((thing) => things[thing] && same(things[thing], cell)) ?? null;
-}
+import type { Stood } from "./things";
 
 /**
- * Lets things be dragged. `shown` is where they are, or null where nothing may be dragged; `move`
- * is told of every cell that a thing in hand comes to, `drop` when it is let go.
+ * Lets things be dragged, bins not. `shown` is where they are; `move` is told of every cell that a thing in hand comes to, `drop` when it is let go.
  */
 export function letDrag(
   { picture, cellAt }: Board,
-  shown: () => Partial<Placement> | null,
-  move: (thing: Dragged, cell: Cell) => void,
+  shown: () => readonly Stood[],
+  move: (thing: Standing, cell: Cell) => void,
   drop: () => void,
 ): void {
-  let hand: Dragged | null = null;
-  const under = (event: PointerEvent): Dragged | null => {
-    const [cell, things] = [cellAt(event), shown()];
-    return cell && things && draggedAt(things, cell);
+  let hand: Standing | null = null;
+  const under = (event: PointerEvent): Standing | null => {
+    const cell = cellAt(event);
+    const there = shown().find((one) => cell && same(one.cell, cell) && one.thing.what !== "goal");
+    return there?.thing ?? null;
   };
   picture.addEventListener("pointerdown", (event) => {
     hand = event.button === 0 ? under(event) : null;

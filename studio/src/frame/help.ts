@@ -11,9 +11,11 @@ const KEYS: [string, string][] = [
   ["Design: arrows", "go from cell to cell"],
   ["Space", "wall or floor; in the landscape: choose a cell"],
   ["A T C B", "put agent, tool, can, bin there"],
+  ["Delete", "take away what is there"],
   ["Play: arrows", "move the agent"],
   ["W A S D", "put the tool north, west, south, east"],
   ["B", "the bits of every cell"],
+  ["Q", "put the tool down, where that is allowed"],
   ["R", "start again"],
 ];
 

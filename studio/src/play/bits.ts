@@ -3,7 +3,7 @@
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
 import type { LandscapeAnswer, Placement } from "../core/protocol";
-import { message } from "../core/scene";
+import { inWords, message, toolsOf } from "../core/scene";
 import { scaleOf } from "../draw/heat";
 import { createScaleBar } from "../draw/scale";
 import type { Picture } from "../draw/board";
@@ -31,9 +31,10 @@ export function createBits({ connection, store }: App, onChange: () => void): Bi
   let late = false;
 
   function ask(placement: Placement): void {
-    const body = { scene: message(store.scene()), placement };
-    const { tool, object } = placement;
-    const question = JSON.stringify([body.scene, tool, object]);
+    const scene = store.scene();
+    const placed = inWords(scene.world, toolsOf(scene), placement);
+    const body = { scene: message(scene), placement: placed };
+    const question = JSON.stringify([body.scene, { ...placed, agent: null, held: null }]);
     if (question === of) return;
     asked?.forget();
     [of, late] = [question, true];

@@ -1,8 +1,8 @@
 /** A game from the map's start: each action is asked of the server, one after the other. */
 
 import type { App } from "../core/app";
-import type { Placement, SolveAnswer, StepAnswer } from "../core/protocol";
-import { indexOf, message, startOf, type Scene } from "../core/scene";
+import type { Placement, SolveAnswer, StepAnswer, Words } from "../core/protocol";
+import { inWords, message, placementOf, startOf, toolsOf, type Scene } from "../core/scene";
 
 export interface Game {
   placement: Placement;
@@ -58,14 +58,22 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     onChange();
   }
 
+  /** What a step is asked of. */
+  function asking() {
+    const scene = store.scene();
+    const placement = inWords(scene.world, toolsOf(scene), game.placement);
+    return { scene: message(scene), placement };
+  }
+
   function askStart(): void {
     const of = turn;
-    const body = { scene: message(store.scene()), placement: game.placement, action: null };
+    const body = { ...asking(), action: null };
     const asked = connection.ask<StepAnswer>("step", body, (answer) => {
       if (of !== turn || answer.progress !== undefined) return;
       asked.forget();
       game = {
         ...game,
+        placement: game.bits.length > 1 || !answer.placement ? game.placement : read(answer.placement),
         bits: game.bits.with(0, answer.bits ?? null),
         equipped: game.bits.length > 1 ? game.equipped : (answer.equipped ?? false),
         attached: game.bits.length > 1 ? game.attached : (answer.attached ?? false),
@@ -80,7 +88,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     if (action === undefined || busy || game.ended) return;
     busy = true;
     const of = turn;
-    const body = { scene: message(store.scene()), placement: game.placement, action };
+    const body = { ...asking(), action };
     const asked = connection.ask<StepAnswer>("step", body, (answer) => {
       if (of !== turn) return;
       if (answer.progress !== undefined) return;
@@ -91,7 +99,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
         game = { ...game, error: answer.error };
       } else {
         game = {
-          placement: answer.placement ?? game.placement,
+          placement: answer.placement ? read(answer.placement) : game.placement,
           bits: [...game.bits, answer.bits ?? null],
           equipped: answer.equipped ?? false,
           attached: answer.attached ?? false,
@@ -102,6 +110,11 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
       onChange();
       next();
     });
+  }
+
+  function read(words: Words): Placement {
+    const scene = store.scene();
+    return placementOf(scene.world, toolsOf(scene), words);
   }
 
   function act(action: number): void {
@@ -116,15 +129,13 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
   }
 
   function showPlan(told: (steps: number | null) => void): void {
-    const scene = store.scene();
-    const here = sceneAt(scene, game.placement);
-    if (game.ended || here === null) reset();
-    const from = here !== null && !game.ended ? here : scene;
+    if (game.ended) reset();
     const of = turn;
-    const asked = connection.ask<SolveAnswer>("solve", { scene: message(from) }, (answer) => {
+    const asked = connection.ask<SolveAnswer>("solve", asking(), (answer) => {
       if (of !== turn || answer.progress !== undefined) return;
       asked.forget();
       if (answer.error !== undefined) {
+        stop();
         game = { ...game, error: answer.error };
         return onChange();
       }
@@ -168,15 +179,4 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
       else if (game.bits[0] === null) askStart();
     },
   };
-}
-
-/** The scene with its things there; null if a map cannot say it, with something on the bin. */
-function sceneAt(scene: Scene, placement: Placement): Scene | null {
-  const { world } = scene;
-  const agent = indexOf(world, placement.agent);
-  const object = indexOf(world, placement.object);
-  const tool = placement.tool === null ? world.tool : indexOf(world, placement.tool);
-  if ([agent, object, tool].includes(world.goal)) return null;
-  const hidden = placement.tool === null && (tool === agent || tool === object);
-  return { ...scene, world: { ...world, agent, object, tool: hidden ? null : tool } };
 }

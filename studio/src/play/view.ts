@@ -2,10 +2,12 @@
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
-import { cellOf } from "../core/scene";
+import { toolsOf } from "../core/scene";
+import { namesOf } from "../core/world";
 import { createBoard } from "../draw/board";
 import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
+import { stood } from "../draw/things";
 import { button, card, notice, rename } from "../frame/widgets";
 import { ARROWS, rowColumn } from "../design/editor";
 import { createBits } from "./bits";
@@ -31,18 +33,23 @@ export function createPlay(app: App): View {
 
   const show = button("Show me", () => {
     if (player.showing()) player.stop();
-    else player.showPlan(tellPlan);
+    else {
+      plan.textContent = "Looking for the shortest plan…";
+      player.showPlan(tellPlan);
+    }
     draw();
   }, { id: "show-me", kind: "primary", sign: "play" });
   const reset = button("Start again", player.reset, { id: "reset", sign: "reset" });
 
   function tellPlan(steps: number | null): void {
-    if (steps === null) notice("The can cannot be brought to the bin from here");
+    if (steps === null) notice("It cannot be brought to the bin from here");
     plan.textContent = steps === null
       ? "No plan: the bin is out of reach."
       : `Shortest plan from there: ${steps} ${steps === 1 ? "step" : "steps"}.`;
   }
 
+  const drop = button("Put down (Q)", () => player.act(8), { id: "put-down" });
+  const task = h("span", { class: "quiet" });
   const pads = CAPS.map((caps, of) =>
     h(
       "div",
@@ -65,15 +72,12 @@ export function createPlay(app: App): View {
 
   function draw(): void {
     const scene = store.scene();
-    const { world, tool } = scene;
+    const { world } = scene;
+    const tools = toolsOf(scene);
     const { placement, bits, equipped, attached, ended, error } = player.game();
     board.draw({
-      height: world.height,
-      width: world.width,
-      walls: world.walls,
-      goal: cellOf(world, world.goal),
-      things: placement,
-      tool,
+      world,
+      things: stood(world, tools, placement),
       values: active ? layer.under(placement) : null,
       label: rowColumn,
     });
@@ -92,14 +96,22 @@ export function createPlay(app: App): View {
       yMost: Math.max(1, ...known.map(([, b]) => b!)),
       empty: "",
     });
-    const hand = attached ? "the can is attached" : equipped ? "the tool is in hand" : "";
+    const [many, object] = [world.objects.length > 1, namesOf(world.objects)[0]!];
+    const held = tools.length > 1 && placement.held !== undefined && placement.held >= 0
+      ? namesOf(tools)[placement.held]!
+      : "tool";
+    const hand = attached
+      ? `${many ? "an object" : `the ${object}`} is attached`
+      : equipped ? `the ${held} is in hand` : "";
     const after = `${steps} ${steps === 1 ? "step" : "steps"}`;
     const fault = error ?? layer.fault();
-    state.textContent = fault || (ended ? `The can is in the bin after ${after}.` : [after, hand].filter(Boolean).join(" · "));
+    state.textContent = fault || (ended ? `${many ? "All is in its bin" : `The ${object} is in the bin`} after ${after}.` : [after, hand].filter(Boolean).join(" · "));
     state.classList.toggle("fault", Boolean(fault));
     state.classList.toggle("good", ended);
-    pads[1]!.classList.toggle("off", tool === "none");
-    for (const key of pads[1]!.querySelectorAll("button")) key.disabled = tool === "none";
+    pads[1]!.classList.toggle("off", !tools.length);
+    for (const key of pads[1]!.querySelectorAll("button")) key.disabled = !tools.length;
+    drop.hidden = !world.drop || !tools.length;
+    task.textContent = many ? "bring every object to its bin" : `bring the ${object} to the bin`;
     if (player.showing()) rename(show, "Stop", "stop");
     else rename(show, "Show me", "play");
     if (!steps && !player.showing()) plan.textContent = "";
@@ -124,12 +136,19 @@ export function createPlay(app: App): View {
     const target = event.target as Element;
     if (target.closest("input:not([type=checkbox]), select, textarea, dialog")) return;
     const action = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    if (action !== undefined && !(action > 3 && store.scene().tool === "none")) player.act(action);
+    if (action !== undefined && allowed(action)) player.act(action);
     else if (event.key === "r") player.reset();
     else if (event.key === "b") layer.turn();
     else return;
     event.preventDefault();
   });
+
+  /** Whether there is such an action: without a tool only moves. */
+  function allowed(action: number): boolean {
+    const scene = store.scene();
+    const tools = toolsOf(scene).length > 0;
+    return action < 4 || (tools && (action < 8 || scene.world.drop));
+  }
 
   draw();
   const element = h(
@@ -138,10 +157,10 @@ export function createPlay(app: App): View {
     card(
       "Game",
       "world",
-      h("div", { class: "card-head" }, h("h2", {}, "Play"), h("span", { class: "quiet" }, "bring the can to the bin")),
+      h("div", { class: "card-head" }, h("h2", {}, "Play"), task),
       board.element,
       layer.scale,
-      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, show, reset, layer.toggle), plan),
+      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, show, reset, drop, layer.toggle), plan),
     ),
     card(
       "Empowerment",

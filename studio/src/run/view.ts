@@ -2,13 +2,14 @@
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
-import type { Placement, RunAnswer } from "../core/protocol";
-import { cellOf, indexOf } from "../core/scene";
-import { parseMap } from "../core/world";
+import type { Cell, Placement, RunAnswer } from "../core/protocol";
+import { cellOf, indexOf, inWords, placementOf } from "../core/scene";
+import { worldOf, type Standing, type World } from "../core/world";
 import { createBoard } from "../draw/board";
 import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
 import { letDrag } from "../draw/dragging";
+import { stood } from "../draw/things";
 import { scaleOf } from "../draw/heat";
 import { createScaleBar } from "../draw/scale";
 import { rowColumn } from "../design/editor";
@@ -60,7 +61,7 @@ export function createRun({ hello, connection, acted }: App): View {
     const body = {
       index: which,
       ...(name === undefined ? {} : { name }),
-      ...(elsewhere === null ? {} : { placement: elsewhere }),
+      ...(elsewhere === null ? {} : { placement: said(elsewhere) }),
     };
     const asked = connection.ask<RunAnswer>("run", body, (next) => {
       if (next.progress !== undefined) return;
@@ -74,6 +75,17 @@ export function createRun({ hello, connection, acted }: App): View {
       draw();
       if (active) go();
     });
+  }
+
+  const world = (): World => worldOf(answer?.drawn ?? acted.current()!.drawn);
+  /** Where things are now, dragged or not. */
+  function here(): Placement | null {
+    const words = answer?.episode?.placements[step];
+    return moved ?? (words ? placementOf(world(), world().tools, words) : null);
+  }
+  /** In the server's words; what was dragged is in nobody's hand by history. */
+  function said({ agent, tools, objects }: Placement) {
+    return inWords(world(), world().tools, { agent, tools, objects });
   }
 
   const last = () => (answer?.episode?.placements.length ?? 1) - 1;
@@ -101,19 +113,14 @@ export function createRun({ hello, connection, acted }: App): View {
     if (timer) rename(play, "Pause", "pause");
     else rename(play, "Play", "play");
     if (about === null || !answer?.episode) return;
-    const { world } = parseMap(about.map);
-    const placement = moved ?? answer.episode.placements[step]!;
+    const there = world();
     back.hidden = elsewhere === null;
     const values = answer.values?.flat().filter((value) => value !== null) ?? [];
     const [least, most] = [Math.min(...values), Math.max(...values)];
     const withValues = shown !== "policy" && values.length > 0;
     board.draw({
-      height: world.height,
-      width: world.width,
-      walls: world.walls,
-      goal: cellOf(world, world.goal),
-      things: about.tool === "none" ? { ...placement, tool: null } : placement,
-      tool: about.tool,
+      world: there,
+      things: stood(there, there.tools, here()!),
       values: withValues
         ? { grid: answer.values!, scale: scaleOf(least, most), unlabelled: shown === "both" }
         : null,
@@ -162,30 +169,32 @@ export function createRun({ hello, connection, acted }: App): View {
   }
 
   /** Whether a thing may be put down there. */
-  function free(thing: keyof Placement, cell: Placement["agent"], among: Placement): boolean {
-    const { world } = parseMap(acted.current()!.map);
-    const others = (["agent", "tool", "object"] as const).filter((other) => other !== thing);
-    const taken = others.some((other) => among[other] && same(among[other], cell));
-    const done = thing === "object" && same(cell, cellOf(world, world.goal));
-    return !taken && !done && !world.walls[indexOf(world, cell)];
+  function free({ what, of }: Standing, cell: Cell, among: Placement): boolean {
+    const map = world();
+    const taken = [among.agent, ...among.tools, ...among.objects].some((other) => same(other, cell));
+    const goal = what === "object" ? map.objects[of]!.goal : null;
+    const done = goal !== null && same(cell, cellOf(map, goal));
+    return !taken && !done && !map.walls[indexOf(map, cell)];
   }
 
   letDrag(
     board,
     () => {
-      const things = answer?.episode?.placements[step];
-      return things && acted.current()?.tool === "none" ? { ...things, tool: null } : (things ?? null);
+      const now = here();
+      return now && active ? stood(world(), world().tools, now) : [];
     },
     (thing, cell) => {
-      const from = moved ?? answer!.episode!.placements[step]!;
       if (timer) stop();
-      if (!free(thing, cell, from)) return;
-      moved = { ...from, [thing]: cell };
+      const now = here()!;
+      if (!free(thing, cell, now)) return;
+      const { agent, tools, objects } = now;
+      if (thing.what === "agent") moved = { agent: cell, tools, objects };
+      else if (thing.what === "tool") moved = { agent, tools: tools.with(thing.of, cell), objects };
+      else moved = { agent, tools, objects: objects.with(thing.of, cell) };
       draw();
     },
     () => {
-      if (moved === null) return;
-      begin(moved);
+      if (moved !== null) begin(moved);
     },
   );
 

@@ -3,16 +3,29 @@
 import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { Offered, Settings } from "../core/protocol";
+import { toolOf, toolsOf, type Scene } from "../core/scene";
+import { namesOf, several } from "../core/world";
 import { field, numberField, select } from "../frame/widgets";
 
 const NONE = "none"; // no intrinsic reward
 
-export function createForm({ hello }: App): { element: HTMLElement; settings: () => Settings } {
+export function createForm({ hello, store }: App): { element: HTMLElement; settings: () => Settings } {
   const limits = hello.limits.training;
   const { first, ...offered } = hello.training;
-  const intrinsic = select("Intrinsic reward", offered.intrinsic, show);
+  const intrinsic = select("Intrinsic reward", intrinsics(hello.training, store.scene()), show);
   intrinsic.id = "intrinsic";
   intrinsic.value = first.intrinsic;
+  let shown = "";
+  store.watch((scene) => {
+    const choices = intrinsics(hello.training, scene);
+    if (shown === JSON.stringify(choices)) return;
+    shown = JSON.stringify(choices);
+    const chosen = intrinsic.value;
+    intrinsic.replaceChildren(
+      ...Object.entries(choices).map(([value, text]) => h("option", { value }, text)),
+    );
+    intrinsic.value = chosen in choices ? chosen : Object.keys(choices)[1]!;
+  });
   const algorithm = select("Algorithm", offered.algorithms, () => undefined);
   algorithm.id = "algorithm";
   algorithm.value = first.algorithm;
@@ -54,10 +67,28 @@ export function createForm({ hello }: App): { element: HTMLElement; settings: ()
   };
 }
 
+/** The intrinsic rewards that there are in a world: of several objects of each, and of all. */
+function intrinsics({ intrinsic }: Offered, scene: Scene): Record<string, string> {
+  const tools = toolsOf(scene);
+  if (!several({ ...scene.world, tools })) return intrinsic;
+  const over = (sensor: string, names: string[]) =>
+    names.map((name) => [`${sensor}:${name}`, `Empowerment over the ${name}`] as const);
+  const objects = over("object", namesOf(scene.world.objects));
+  const all = objects.map(([sensor]) => sensor);
+  const { none, object, tool, ...others } = intrinsic;
+  return Object.fromEntries([
+    ["none", none!],
+    ...objects,
+    ...(all.length > 1 ? [[all.join("+"), "Sum over all objects"], [all.join("*"), "Product over all objects"]] : []),
+    ...over("tool", namesOf(tools)),
+    ...Object.entries(others),
+  ]) as Record<string, string>;
+}
+
 /** What tells a training from others, in a few words. */
-export function summary(offered: Offered, settings: Settings, tool: string): string {
+export function summary(offered: Offered, settings: Settings, scene: Scene): string {
   const { horizon, beta, seed } = settings;
-  const reward = settings.intrinsic === NONE ? "no intrinsic reward" : offered.intrinsic[settings.intrinsic];
-  const details = [horizon ? `h ${horizon}` : "", beta ? `β ${beta}` : "", tool];
+  const reward = settings.intrinsic === NONE ? "no intrinsic reward" : intrinsics(offered, scene)[settings.intrinsic];
+  const details = [horizon ? `h ${horizon}` : "", beta ? `β ${beta}` : "", toolOf(scene) ?? "several tools"];
   return [reward, ...details, offered.algorithms[settings.algorithm], `seed ${seed}`].filter(Boolean).join(", ");
 }

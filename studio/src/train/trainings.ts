@@ -3,7 +3,7 @@
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
 import type { CurveData, SceneMessage, Settings, TrainAnswer } from "../core/protocol";
-import { message } from "../core/scene";
+import { message, NO_TOOL } from "../core/scene";
 import { summary } from "./form";
 
 export interface Training {
@@ -50,17 +50,18 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     training.line = taken === 0 ? 1 : 0;
   }
 
-  function watch({ label, done, settings, scene: { map, tool } }: Training): void {
+  function watch({ label, done, settings, scene }: Training): void {
     if (!done || acted.current()?.asked === done.name) return;
     const { runs } = settings;
-    acted.show({ name: label, asked: done.name, runs, map, tool, config: { ...settings } });
+    const drawn = scene.tool === NO_TOOL ? { ...scene.drawn, tools: [] } : scene.drawn;
+    acted.show({ name: label, asked: done.name, runs, drawn, config: { ...settings } });
   }
 
   function begin(settings: Settings): void {
     const scene = message(store.scene());
     const training: Training = {
       id: trainings.length + 1,
-      label: summary(app.hello.training, settings, scene.tool),
+      label: summary(app.hello.training, settings, store.scene()),
       settings, scene, name: null,
       curve: null, share: 0, steps: 0, episodes: 0, best: null, done: null, stopped: false,
       error: null, line: null,

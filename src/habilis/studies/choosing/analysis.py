@@ -1,0 +1,48 @@
+"""Whether, and when, an agent has the tool in hand that fits."""
+
+import polars as pl
+
+from habilis.learning.runs import Run
+from habilis.studies.choosing.sweep import AGENTS, CASES, FITTING, PAIRS, STEPS
+from habilis.studies.comparing.pictures import episodes_figure
+from habilis.studies.comparing.study import CONVERGED, FIRST, Measure, Study
+
+EARLY, LATE = 1_000, 100
+"""How many episodes, the first and the last ones, shares are of."""
+
+
+def tell(run: Run, index: int) -> dict[str, float]:
+    """In what shares of a run's early and late episodes it has the fitting tool in hand.
+
+    Be it for one step only.
+    """
+    episodes = run.episodes.filter(run=index)
+    had = episodes.select(pl.col(f"equipped:{FITTING}") > 0).to_series()
+    return {"early": _share(had.head(EARLY)), "late": _share(had.tail(LATE))}
+
+
+def _share(had: pl.Series) -> float:
+    return float(had.cast(pl.Float64).sum() / max(1, len(had)))
+
+
+STUDY = Study(
+    name="choosing",
+    title="The tool that fits",
+    question="Several tools lie about, and with only one of them, the rake, can the can be "
+    "brought to its goal. In niche the first tool that the agent comes to stays in its hand; in "
+    "shelf it can be put down. Which reward leads to the rake, and to the goal, sooner?",
+    cases=CASES,
+    agents=AGENTS,
+    pairs=PAIRS,
+    measures=(
+        CONVERGED,
+        FIRST,
+        Measure("early", f"the rake in hand, share of the first {EARLY:,} episodes", False),
+        Measure("late", f"the rake in hand, share of the last {LATE} episodes", False),
+    ),
+    tell=tell,
+    figure=lambda table: episodes_figure(table, CONVERGED),
+    caption="Episodes to convergence; on the right how many runs converged (orange: not all; no "
+    "dot: too few for a mean; an arrow: an interval without an end).",
+    steps=STEPS,
+)

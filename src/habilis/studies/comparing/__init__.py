@@ -1,0 +1,1 @@
+"""What the studies of learning agents have in common: agents, their training, tables, a page."""

@@ -1,0 +1,1 @@
+"""Trained from some placements of tool and object: does an agent get on from others?"""

@@ -1,0 +1,120 @@
+"""A world as the page draws it: walls as text, and its things in the order in which it has them."""
+
+from collections.abc import Collection
+from typing import Any
+
+from habilis.studio.fields import cell, checked, number, one_of, shown
+from habilis.studio.limits import THINGS
+from habilis.worlds.characters import FLOOR, WALL
+from habilis.worlds.parsing import numbered
+from habilis.worlds.things import OBJECTS, PlacedObject, PlacedTool
+from habilis.worlds.world import World
+
+_GROUND = f"; {FLOOR} floor and {WALL} walls"
+
+
+def described(world: World) -> dict[str, Any]:
+    """A world as the page has it."""
+    rows = [
+        "".join(WALL if (row, column) in world.walls else FLOOR for column in range(world.width))
+        for row in range(world.height)
+    ]
+    return {
+        "ground": "\n".join(rows),
+        "agent": list(world.agent),
+        "tools": [
+            {"kind": tool.kind, "cell": list(tool.cell), "slip": tool.slip} for tool in world.tools
+        ],
+        "objects": [
+            {
+                "kind": thing.kind,
+                "cell": list(thing.cell),
+                "goal": None if thing.goal is None else list(thing.goal),
+            }
+            for thing in world.objects
+        ],
+        "drop": world.drop,
+    }
+
+
+def world_of(value: Any, kinds: Collection[str], name: str) -> World:
+    """A world from what the page has.
+
+    Args:
+        value: as in `described`.
+        kinds: of the tools that there are.
+        name: what errors call it.
+
+    Raises:
+        ValueError: it is none; the message names what is wrong.
+    """
+    given = checked("drawn", value, ("ground", "agent", "tools", "objects", "drop"))
+    rows = given["ground"].split("\n") if isinstance(given["ground"], str) else []
+    if len({len(row) for row in rows}) != 1 or set("".join(rows)) - {FLOOR, WALL}:
+        raise ValueError(f"ground is no map; give rows of one length{_GROUND}")
+    if not isinstance(given["drop"], bool):
+        raise ValueError(f"drop is {shown(given['drop'])}; give true or false")
+    tools = [_tool(one, kinds) for one in _few("tools", given["tools"], 0)]
+    objects = [_object(one) for one in _few("objects", given["objects"], 1)]
+    tool_names = numbered([tool["kind"] for tool in tools])
+    object_names = numbered([thing["kind"] for thing in objects])
+    placed = [PlacedTool(called, **tool) for called, tool in zip(tool_names, tools, strict=True)]
+    things = [
+        PlacedObject(called, **thing) for called, thing in zip(object_names, objects, strict=True)
+    ]
+    first = things[0]
+    if first.goal is None:
+        raise ValueError(f"the first object, the {first.name}, has no goal; give it one")
+    world = World(
+        name=name,
+        height=len(rows),
+        width=len(rows[0]),
+        walls=frozenset(
+            (row, column)
+            for row, line in enumerate(rows)
+            for column, mark in enumerate(line)
+            if mark == WALL
+        ),
+        agent=cell("agent", given["agent"]),
+        object=first.cell,
+        goal=first.goal,
+        object_kind=first.kind,
+        more_objects=tuple(things[1:]),
+        drop=given["drop"] and bool(placed),
+        **(
+            {
+                "tool": placed[0].kind,
+                "tool_cell": placed[0].cell,
+                "tool_slip": placed[0].slip,
+                "more_tools": tuple(placed[1:]),
+            }
+            if placed
+            else {}
+        ),
+    )
+    return world
+
+
+def _few(name: str, value: Any, least: int) -> list[Any]:
+    if not isinstance(value, list) or not least <= len(value) <= THINGS:
+        raise ValueError(f"{name} is no list of {least} to {THINGS} things; give one")
+    return value
+
+
+def _tool(value: Any, kinds: Collection[str]) -> dict[str, Any]:
+    given = checked("a tool", value, ("kind", "cell"), ("slip",))
+    return {
+        "kind": one_of("tool", given["kind"], list(kinds)),
+        "cell": cell("a tool", given["cell"]),
+        "slip": float(number("a tool's slip", given.get("slip", 0.0), 0, 1)),
+    }
+
+
+def _object(value: Any) -> dict[str, Any]:
+    given = checked("an object", value, ("kind", "cell"), ("goal",))
+    goal = given.get("goal")
+    return {
+        "kind": one_of("object", given["kind"], list(OBJECTS)),
+        "cell": cell("an object", given["cell"]),
+        "goal": None if goal is None else cell("a goal", goal),
+    }

@@ -1,0 +1,62 @@
+/** A menu of what can be put on the map: tools, objects, bins, and whether tools can be put down. */
+
+import type { App } from "../core/app";
+import { h } from "../core/elements";
+import { namesOf, withGoal, withObject, withTool, type World } from "../core/world";
+import { drawingOf, icon } from "../draw/shapes";
+import { nameOfTool } from "./bar";
+
+export function createAdd({ hello, store }: App): HTMLElement {
+  const { things } = hello.limits;
+  const change = (world: World) => store.change({ world, bare: false });
+  const entry = (drawing: string, name: string, put: () => void) =>
+    h("button", { type: "button", role: "menuitem", onclick: put }, icon(drawing, 20), name);
+
+  const tools = hello.tools
+    .filter((tool) => tool !== "none")
+    .map((tool) => entry(drawingOf(tool), nameOfTool(tool), () => change(withTool(store.scene().world, tool))));
+  const objects = hello.objects.map((kind) =>
+    entry(kind, nameOfTool(kind), () => store.change({ world: withObject(store.scene().world, kind) })),
+  );
+  const bins = h("div", { class: "menu-part" });
+  const drop = h("input", {
+    type: "checkbox",
+    id: "drop",
+    onchange: () => store.change({ world: { ...store.scene().world, drop: drop.checked } }),
+  });
+  const menu = h(
+    "div",
+    { class: "menu", role: "menu", "aria-label": "What to put on the map" },
+    h("h3", {}, "Tools"),
+    h("div", { class: "menu-part" }, ...tools),
+    h("h3", {}, "Objects"),
+    h("div", { class: "menu-part" }, ...objects, bins),
+    h("label", { class: "menu-check" }, drop, "The tool in hand can be put down"),
+    h("p", { class: "quiet" }, "Drag a thing off the map, or press Delete on it, to take it away."),
+  );
+  const element = h("details", { class: "add" }, h("summary", { class: "button", id: "add" }, "Add"), menu);
+  document.addEventListener("pointerdown", (event) => {
+    if (!element.contains(event.target as Node)) element.open = false;
+  });
+  element.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || !element.open) return;
+    element.open = false;
+    element.querySelector("summary")!.focus();
+  });
+
+  store.watch(({ world }) => {
+    const names = namesOf(world.objects);
+    for (const button of tools) button.disabled = world.tools.length >= things;
+    for (const button of objects) button.disabled = world.objects.length >= things;
+    bins.replaceChildren(
+      ...world.objects.flatMap(({ goal }, of) =>
+        goal === null
+          ? [entry("bin", `Bin of the ${names[of]}`, () => store.change({ world: withGoal(store.scene().world, of) }))]
+          : [],
+      ),
+    );
+    drop.checked = world.drop;
+    drop.disabled = !world.tools.length;
+  });
+  return element;
+}

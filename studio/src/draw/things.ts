@@ -1,0 +1,54 @@
+/** What stands where on a board: the agent, tools, objects and their bins. */
+
+import type { Cell, Placement } from "../core/protocol";
+import type { Standing, Tool, World } from "../core/world";
+import { cellOf } from "../core/scene";
+import { same } from "./cells";
+import { drawingOf } from "./shapes";
+
+/** A thing to be drawn. */
+export interface Stood {
+  readonly thing: Standing;
+  readonly cell: Cell;
+  readonly drawing: string;
+  /** By how much it is turned, clockwise. */
+  readonly turn: number;
+  /** What is drawn small on it: of whom a bin is. */
+  readonly badge: string | null;
+  /** Whether something hides it: then it is drawn small. */
+  readonly hidden: boolean;
+}
+
+/** What is drawn where; the last are drawn over the first. */
+export function stood(world: World, tools: readonly Tool[], placement: Placement): Stood[] {
+  const plain = { turn: 0, badge: null, hidden: false };
+  const kinds = new Set(world.objects.map(({ kind }) => kind));
+  const found: Stood[] = [];
+  const others = [placement.agent, ...placement.tools];
+  world.objects.forEach(({ kind, goal }, of) => {
+    const cell = placement.objects[of]!;
+    const at = goal === null ? null : cellOf(world, goal);
+    const done = at !== null && same(cell, at);
+    if (!done) found.push({ ...plain, thing: { what: "object", of }, cell, drawing: kind });
+    if (at === null) return;
+    const over = [...others, ...placement.objects].some((other) => same(other, at)) && !done;
+    const badge = kinds.size > 1 || world.objects.length > 1 ? kind : null;
+    const drawing = done ? "full bin" : "bin";
+    found.push({ ...plain, thing: { what: "goal", of }, cell: at, drawing, badge, hidden: over });
+  });
+  tools.forEach(({ kind }, of) => {
+    const cell = placement.tools[of]!;
+    const held = placement.held === undefined ? true : placement.held === of;
+    const turn = held ? facing(placement.agent, cell) : 0;
+    found.push({ ...plain, thing: { what: "tool", of }, cell, drawing: drawingOf(kind), turn });
+  });
+  found.push({ ...plain, thing: { what: "agent", of: 0 }, cell: placement.agent, drawing: "agent" });
+  return found;
+}
+
+/** A tool in hand faces away from the agent; drawings face south. */
+function facing(agent: Cell, tool: Cell): number {
+  const side = `${tool[0] - agent[0]},${tool[1] - agent[1]}`;
+  return { "0,-1": 90, "-1,0": 180, "0,1": 270 }[side] ?? 0;
+}
+
