@@ -11,6 +11,7 @@ import pytest
 import reference
 
 import habilis
+from habilis.worlds.placements import start_of
 from habilis.worlds.table import placement
 
 ROOT = Path(__file__).parents[1]
@@ -54,14 +55,30 @@ def drawings():
             yield [part[0] for part in parts], action, [part[-1] for part in parts]
 
 
+KINDS = {"R": "rake", "S": "stick", "M": "magnet", "D": "ball", "E": "crate"}
+
+
+def drawn(rows, actions):
+    """A drawing as a world. It has no goal: one is put where nothing comes to."""
+    cells = "".join(rows)
+    first = next((character for character in cells if character in "CDE"), "")
+    above = [f"{character} = {kind}" for character, kind in KINDS.items() if character in cells]
+    below = ["#" * len(rows[0]), "G".ljust(len(rows[0]), "#")]
+    if not first:
+        below[0], first = "C".ljust(len(rows[0]), "#"), "C"
+    drop = "drop: true" if "drop" in actions else ""
+    return habilis.World.parse("\n".join([*above, f"G = goal of {first}", drop, *rows, *below]))
+
+
 @pytest.mark.parametrize(("before", "action", "after"), list(drawings()))
 def test_the_drawings_of_the_rules_are_what_happens(before, action, after):
-    # What is drawn has no goal: one is put where nothing comes to.
-    below = ["#" * len(before[0]), "G".ljust(len(before[0]), "#")]
-    world = habilis.World.parse("\n".join(before + below))
-    mdp = habilis.tabulate(world)
-    state = mdp.next_state[mdp.start, mdp.actions.index(action)]
-    assert placement(world, mdp, state).text().splitlines() == after + below
+    actions = action.split(", ")
+    world = drawn(before, actions)
+    mdp = habilis.tabulate(world, starts=[start_of(world)])
+    state = mdp.start
+    for one in actions:
+        state = mdp.next_state[state, mdp.actions.index(one)]
+    assert start_of(placement(world, mdp, state)) == start_of(drawn(after, actions))
 
 
 def page_of(tmp_path, text):

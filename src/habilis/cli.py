@@ -81,7 +81,8 @@ def worlds(args: Args) -> int:
 
 
 def solve(args: Args) -> int:
-    mdp = habilis.tabulate(check_certain(load_world(args.world, args.tool)))
+    world = check_certain(load_world(args.world, args.tool))
+    mdp = habilis.tabulate(world, show_progress=_shows_progress(args))
     plan = habilis.solve(mdp)
     if args.json:
         print_json(
@@ -137,14 +138,18 @@ def _table(args: Args) -> habilis.TabularMDP:
     if not args.world.startswith(PREFIX):
         world = load_world(args.world, args.tool)
         limit = MAX_STATES if args.max_states is None else args.max_states
-        return habilis.tabulate(world, args.slip, max_states=limit)
+        show = _shows_progress(args)
+        return habilis.tabulate(world, args.slip, max_states=limit, show_progress=show)
     if args.tool is not None:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
     from habilis.gymnasium_tables import table_named
 
-    name, show = args.world.removeprefix(PREFIX), sys.stderr.isatty() and not args.json
-    mdp = table_named(name, args.max_states, show)
+    mdp = table_named(args.world.removeprefix(PREFIX), args.max_states, _shows_progress(args))
     return mdp.slippery(args.slip) if args.slip else mdp
+
+
+def _shows_progress(args: Args) -> bool:
+    return sys.stderr.isatty() and not args.json
 
 
 def landscape(args: Args) -> int:

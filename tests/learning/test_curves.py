@@ -143,6 +143,14 @@ def test_the_picture_has_a_line_and_a_band_for_each_and_the_best_return_dotted()
     assert ax.get_title().startswith("mean over runs")
 
 
+def test_a_curve_of_one_point_is_seen():
+    curve = learning_curve(made_up([np.full(60, -5.0), np.full(60, -7.0)], [False, False]))
+    (ax,) = curves_figure({"short": curve}).axes
+    (line,) = ax.lines
+    assert len(curve.x) == 1
+    assert line.get_marker() == "o"
+
+
 @pytest.fixture
 def folders(tmp_path):
     (tmp_path / "room.txt").write_text(ROOM)

@@ -45,6 +45,9 @@ def curves_figure(curves: Mapping[str, Curve], best_returns: Sequence[float] = (
         runs = f"{curve.runs} run{'s' if curve.runs > 1 else ''}"
         style = _DASHES[number // len(COLOURS) % len(_DASHES)]
         ax.fill_between(curve.x, curve.low, curve.high, color=colour, alpha=0.2, linewidth=0)
+        if len(curve.x) == 1:  # a line through one point is none
+            ax.vlines(curve.x, curve.low, curve.high, color=colour, alpha=0.2, linewidth=6)
+            style = "o"
         ax.plot(curve.x, curve.middle, style, color=colour, lw=1.4, label=f"{label} ({runs})")
     for best in sorted(set(best_returns)):
         ax.axhline(best, color="#5b6270", linewidth=0.8, linestyle=":")
