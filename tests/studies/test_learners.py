@@ -73,9 +73,11 @@ def test_both_cans_have_goals_and_ways_to_them():
 
 
 def test_shares_of_the_fitting_tool_are_of_the_first_and_the_last_episodes():
-    """It is in hand in the last 250 of 2,000 episodes, for some of their steps."""
-    had = np.where(np.arange(2_000) >= 1_750, 3, 0)
-    episodes = pl.DataFrame({"run": np.zeros(2_000, int), f"equipped:{FITTING}": had})
+    """It is in hand for three of five steps in the last 250 of 2,000 episodes, before for two."""
+    had = np.where(np.arange(2_000) >= 1_750, 3, 2)
+    steps = np.full(2_000, 5)
+    zeros = np.zeros(2_000, int)
+    episodes = pl.DataFrame({"run": zeros, "steps": steps, f"equipped:{FITTING}": had})
 
     whole = Run(Config(), CHOOSING.cases[0].world, -20.0, episodes, (None,), None)
     assert choosing.tell(whole, 0) == {"early": 0.0, "late": 1.0}
