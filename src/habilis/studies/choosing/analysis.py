@@ -4,7 +4,7 @@ import polars as pl
 
 from habilis.learning.runs import Run
 from habilis.studies.choosing.sweep import AGENTS, CASES, FITTING, PAIRS, STEPS
-from habilis.studies.comparing.pictures import episodes_figure
+from habilis.studies.comparing.pictures import CAPTION, episodes_figure
 from habilis.studies.comparing.study import CONVERGED, FIRST, Measure, Study
 
 EARLY, LATE = 1_000, 100
@@ -41,8 +41,7 @@ STUDY = Study(
         Measure("late", f"rake in hand, share of the last {LATE} episodes", False),
     ),
     tell=tell,
-    figure=lambda table: episodes_figure(table, CONVERGED),
-    caption="Episodes to convergence; on the right how many runs converged (orange: not all; no "
-    "dot: too few for a mean; an arrow: an interval without an end).",
+    figure=episodes_figure,
+    caption=CAPTION,
     steps=STEPS,
 )
