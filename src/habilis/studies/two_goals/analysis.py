@@ -21,7 +21,7 @@ STUDY = Study(
     pairs=PAIRS,
     measures=(CONVERGED, FIRST),
     tell=tell,
-    figure=episodes_figure,
+    figure=lambda table, runs: episodes_figure(table, runs, (CONVERGED,)),
     caption=CAPTION,
     steps=STEPS,
 )
