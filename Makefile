@@ -4,7 +4,7 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-studio test-integration paper quick multiverse check format docs calibrate reconstruct \
+.PHONY: test test-studio test-integration paper quick multiverse studies check format docs calibrate reconstruct \
 	bench bench-sb3 page studio-picture clean
 
 # Side by side on all processors, the tests of a file together.
@@ -29,6 +29,12 @@ quick: $(INSTALLED)
 # The second part of the report: docs/multiverse. Under an hour; goes on where it was stopped.
 multiverse: $(INSTALLED)
 	$(BIN)/python -m habilis.studies.multiverse --out docs/multiverse --work multiverse
+
+# Learning to choose: docs/studies. A quarter of an hour; goes on where it was stopped.
+studies: $(INSTALLED)
+	$(BIN)/habilis study --out studies --resume
+	mkdir -p docs/studies
+	cp studies/report.html studies/*.svg studies/*.csv docs/studies/
 
 # Formatting, lint and types.
 check: $(INSTALLED)

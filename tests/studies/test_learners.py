@@ -1,6 +1,7 @@
 """The worlds of the studies of learning to choose, and the studies from end to end."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import polars as pl
@@ -8,8 +9,14 @@ import pytest
 
 import habilis as hb
 from habilis.cli import main
+from habilis.learning.config import Config
+from habilis.learning.interruption import Interrupted
+from habilis.learning.runs import Run
+from habilis.studies import learners
 from habilis.studies.choosing import analysis as choosing
 from habilis.studies.choosing.sweep import FITTING
+from habilis.studies.comparing.study import QUICK
+from habilis.studies.comparing.training import points_of, trained
 from habilis.studies.learners import STUDIES
 from habilis.studies.unseen.sweep import HELD_OUT
 from habilis.worlds.world import NO_TOOL
@@ -70,35 +77,39 @@ def test_both_cans_have_goals_and_ways_to_them():
 
 
 def test_shares_of_the_fitting_tool_are_of_the_first_and_the_last_episodes():
-    """It is in hand in the last 250 of 2,000 episodes, for some of their steps."""
-    had = np.where(np.arange(2_000) >= 1_750, 3, 0)
-    episodes = pl.DataFrame({"run": np.zeros(2_000, int), f"equipped:{FITTING}": had})
+    """It is in hand for three of five steps in the last 250 of 2,000 episodes, before for two."""
+    had = np.where(np.arange(2_000) >= 1_750, 3, 2)
+    steps = np.full(2_000, 5)
+    zeros = np.zeros(2_000, int)
+    episodes = pl.DataFrame({"run": zeros, "steps": steps, f"equipped:{FITTING}": had})
 
-    class Made:
-        pass
+    whole = Run(Config(), CHOOSING.cases[0].world, -20.0, episodes, (None,), None)
+    assert choosing.tell(whole, 0) == {"early": 0.0, "late": 1.0}
+    part = replace(whole, episodes=episodes.head(1_800))
+    assert choosing.tell(part, 0) == {"early": 0.0, "late": 0.5}
 
-    run = Made()
-    run.episodes = episodes
-    assert choosing.tell(run, 0) == {"early": 0.0, "late": 1.0}
-    run.episodes = episodes.head(1_800)
-    assert choosing.tell(run, 0) == {"early": 0.0, "late": 0.5}
+
+SHORT = {name: replace(study, cases=study.cases[:1]) for name, study in STUDIES.items()}
+"""The studies with one case each: compiling takes most of the time."""
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """All three studies, trained next to nothing."""
     out = tmp_path_factory.mktemp("studies") / "out"
-    assert main(["study", "--out", str(out), "--quick"]) == 0
-    return out
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(learners, "STUDIES", SHORT)
+        assert main(["study", "--out", str(out), "--quick"]) == 0
+        yield out
 
 
-@pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES)
+@pytest.mark.parametrize("study", SHORT.values(), ids=SHORT)
 def test_a_study_runs_from_end_to_end(folder, study):
     runs = pl.read_csv(folder / f"{study.name}-runs.csv", infer_schema_length=None)
-    assert len(runs) == 2 * len(study.cases) * len(study.agents)
-    assert runs["episodes"].min() > 0
+    assert len(runs) == 2 * len(study.agents)
+    assert (runs["episodes"] > 0).all()
     table = pl.read_csv(folder / f"{study.name}.csv", infer_schema_length=None)
-    assert table["agent"].to_list() == [a.name for _ in study.cases for a in study.agents]
+    assert table["agent"].to_list() == [agent.name for agent in study.agents]
     assert (folder / f"{study.name}.svg").read_text().count("<svg") == 1
     page = (folder / "report.html").read_text()
     assert study.title in page
@@ -126,6 +137,21 @@ def test_what_is_there_is_not_trained_again(folder, capsys):
     assert after == before
     trained = {p for p in kept if p.stat().st_mtime_ns != kept[p]}
     assert trained == {damaged}
+
+
+def test_who_is_stopped_hears_how_to_go_on(tmp_path):
+    """And what is kept already is not asked for again."""
+    (tmp_path / "runs").mkdir()
+    case, agent = TWO_GOALS.cases[0], TWO_GOALS.agents[0]
+    points = points_of(TWO_GOALS, case, agent, 0.0, QUICK)
+    told = []
+    with pytest.raises(Interrupted, match=r"go on with --resume") as stop:
+        trained(points, TWO_GOALS.tell, tmp_path, lambda: 15, lambda: told.append(1))
+    assert (stop.value.signal, told) == (15, [])
+    one = trained(points, TWO_GOALS.tell, tmp_path, lambda: 0, lambda: told.append(1))
+    other = trained(points, TWO_GOALS.tell, tmp_path, lambda: 15, lambda: told.append(1))
+    assert one.equals(other)
+    assert len(told) == 2
 
 
 @pytest.mark.parametrize(

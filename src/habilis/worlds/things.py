@@ -75,10 +75,15 @@ class PlacedTool:
 
     @property
     def rule(self) -> Tool:
+        """How it moves objects."""
         return tool_named(self.kind) if self.own is None else self.own
 
     def located(self) -> "PlacedTool":
-        """The same, its file named so that it is found from any folder."""
+        """The same, its file named so that it is found from any folder.
+
+        Returns:
+            Another, or this one if it is built in.
+        """
         return self if self.own is None else replace(self, kind=located(self.kind))
 
     def __reduce__(self) -> Any:

@@ -4,7 +4,7 @@ import polars as pl
 
 from habilis.learning.runs import Run
 from habilis.studies.choosing.sweep import AGENTS, CASES, FITTING, PAIRS, STEPS
-from habilis.studies.comparing.pictures import episodes_figure
+from habilis.studies.comparing.pictures import CAPTION, episodes_figure
 from habilis.studies.comparing.study import CONVERGED, FIRST, Measure, Study
 
 EARLY, LATE = 1_000, 100
@@ -14,10 +14,10 @@ EARLY, LATE = 1_000, 100
 def tell(run: Run, index: int) -> dict[str, float]:
     """In what shares of a run's early and late episodes it has the fitting tool in hand.
 
-    Be it for one step only.
+    For most of their steps: where tools can be put down, a long episode meets them all.
     """
     episodes = run.episodes.filter(run=index)
-    had = episodes.select(pl.col(f"equipped:{FITTING}") > 0).to_series()
+    had = episodes.select(2 * pl.col(f"equipped:{FITTING}") > pl.col("steps")).to_series()
     return {"early": _share(had.head(EARLY)), "late": _share(had.tail(LATE))}
 
 
@@ -37,12 +37,11 @@ STUDY = Study(
     measures=(
         CONVERGED,
         FIRST,
-        Measure("early", f"the rake in hand, share of the first {EARLY:,} episodes", False),
-        Measure("late", f"the rake in hand, share of the last {LATE} episodes", False),
+        Measure("early", f"rake in hand, share of the first {EARLY:,} episodes", False),
+        Measure("late", f"rake in hand, share of the last {LATE} episodes", False),
     ),
     tell=tell,
-    figure=lambda table: episodes_figure(table, CONVERGED),
-    caption="Episodes to convergence; on the right how many runs converged (orange: not all; no "
-    "dot: too few for a mean; an arrow: an interval without an end).",
+    figure=episodes_figure,
+    caption=CAPTION,
     steps=STEPS,
 )

@@ -59,7 +59,7 @@ def write_report(answers: Sequence[Answer], budget: Budget, folder: Path) -> Non
             name = answer.study.name
             write_whole(folder / f"{name}.csv", answer.table.write_csv)
             write_whole(folder / f"{name}-runs.csv", answer.runs.write_csv)
-            save_figure(answer.study.figure(answer.table), folder / f"{name}.svg")
+            save_figure(answer.study.figure(answer.table, answer.runs), folder / f"{name}.svg")
         page = render(
             "studies.html",
             sections=[_section(answer, budget) for answer in answers],

@@ -115,7 +115,7 @@ class Study:
         pairs: those held against each other, each an agent's name and another's.
         measures: what its table has; the first one decides, also among weights.
         tell: what it wants to know of a run besides episodes to first success and convergence.
-        figure: its picture, from `analysis.summary`.
+        figure: its picture, from `analysis.summary` and the table of runs.
         caption: under it.
         steps: of the environment, after which a run is given up.
     """
@@ -128,7 +128,7 @@ class Study:
     pairs: tuple[tuple[str, str], ...]
     measures: tuple[Measure, ...]
     tell: Tell
-    figure: Callable[[pl.DataFrame], Figure]
+    figure: Callable[[pl.DataFrame, pl.DataFrame], Figure]
     caption: str
     steps: int
 

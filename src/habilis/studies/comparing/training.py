@@ -145,7 +145,7 @@ def _rows(run: Run, tell: Tell) -> pl.DataFrame:
             | {"episodes": len(episodes), "steps": int(episodes["steps"].sum())}
             | dict(tell(run, index))
         )
-    whole = dict.fromkeys(("converged_at", "first_success"), pl.Int64)
+    whole = {"converged_at": pl.Int64, "first_success": pl.Int64}
     return pl.DataFrame(rows, schema_overrides=whole, infer_schema_length=None)
 
 

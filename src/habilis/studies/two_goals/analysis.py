@@ -1,7 +1,7 @@
 """How soon both objects are brought to their goals."""
 
 from habilis.learning.runs import Run
-from habilis.studies.comparing.pictures import episodes_figure
+from habilis.studies.comparing.pictures import CAPTION, episodes_figure
 from habilis.studies.comparing.study import CONVERGED, FIRST, Study
 from habilis.studies.two_goals.sweep import AGENTS, CASES, PAIRS, STEPS
 
@@ -21,8 +21,7 @@ STUDY = Study(
     pairs=PAIRS,
     measures=(CONVERGED, FIRST),
     tell=tell,
-    figure=lambda table: episodes_figure(table, CONVERGED),
-    caption="Episodes to convergence; on the right how many runs converged (orange: not all; no "
-    "dot: too few for a mean; an arrow: an interval without an end).",
+    figure=lambda table, runs: episodes_figure(table, runs, (CONVERGED,)),
+    caption=CAPTION,
     steps=STEPS,
 )

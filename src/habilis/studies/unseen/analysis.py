@@ -19,7 +19,7 @@ def tell(run: Run, index: int) -> dict[str, float | None]:
     return dict(success(run, index)._asdict())
 
 
-def figure(table: pl.DataFrame) -> Figure:
+def figure(table: pl.DataFrame, runs: pl.DataFrame) -> Figure:
     """Success rates over the number of placements that agents were trained from."""
     drawn = Figure(figsize=(10, 4.2), dpi=96)
     axes = drawn.subplots(1, 2, sharey=True)
