@@ -295,13 +295,13 @@ def test_memory_is_estimated_from_what_merging_leaves():
 
 
 def test_what_else_runs_makes_no_estimate_larger(monkeypatch: pytest.MonkeyPatch):
-    from habilis.empowerment import effort
+    from habilis.empowerment import effort, open_loop
 
     def interrupted(*asked: Any) -> Any:
         time.sleep(1)
         return solved(*asked)
 
-    solved = effort.solve_channel
+    solved = open_loop.solve_channel
     monkeypatch.setattr(effort, "solve_channel", interrupted)
     mdp = maze(10, 0.125)
     estimated = estimate(problem_of(mdp, 2, "state", np.arange(5), 1e-6), np.arange(mdp.states), 1)
