@@ -46,7 +46,10 @@ def test_commands_that_are_not_run_are_commands(page):
 
 
 def drawings():
-    """Each drawing of the rules: the map before, the action, the map after."""
+    """Each drawing of the rules and of the tools: the map before, the action, the map after."""
+    tools = (ROOT / "docs" / "reference" / "tools.md").read_text("utf-8")
+    for before, action, after in re.findall(r"`(\S*A\S*)` \| ([a-z ]+) \| `(\S+)` \|", tools):
+        yield [before], action, [after]
     page = (ROOT / "docs" / "explanation" / "rules.md").read_text("utf-8")
     for block in blocks.blocks(page):
         for drawing in block.text.strip("\n").split("\n\n"):
@@ -71,7 +74,7 @@ def drawn(rows, actions):
 
 
 @pytest.mark.parametrize(("before", "action", "after"), list(drawings()))
-def test_the_drawings_of_the_rules_are_what_happens(before, action, after):
+def test_the_drawings_of_rules_and_tools_are_what_happens(before, action, after):
     actions = action.split(", ")
     world = drawn(before, actions)
     mdp = habilis.tabulate(world, starts=[start_of(world)])

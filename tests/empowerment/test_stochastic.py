@@ -1,6 +1,7 @@
 """Noisy empowerment is the capacity of the channel that all action sequences make."""
 
 import re
+import time
 import warnings
 from typing import Any
 
@@ -291,6 +292,20 @@ def test_memory_is_estimated_from_what_merging_leaves():
     real = beliefs.matrix.size * 32 / 2**30
     assert real / 3 < effort.gib[-1] < real * 10
     assert (np.diff(effort.gib) > 0).all()
+
+
+def test_what_else_runs_makes_no_estimate_larger(monkeypatch: pytest.MonkeyPatch):
+    from habilis.empowerment import effort
+
+    def interrupted(*asked: Any) -> Any:
+        time.sleep(1)
+        return solved(*asked)
+
+    solved = effort.solve_channel
+    monkeypatch.setattr(effort, "solve_channel", interrupted)
+    mdp = maze(10, 0.125)
+    estimated = estimate(problem_of(mdp, 2, "state", np.arange(5), 1e-6), np.arange(mdp.states), 1)
+    assert 0 < estimated.seconds[-1] < mdp.states / 2
 
 
 # What is refused
