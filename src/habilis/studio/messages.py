@@ -66,7 +66,7 @@ from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 from habilis.studio.fields import cell, checked, number, shown, text
-from habilis.studio.limits import MESSAGE, TRAINING
+from habilis.studio.limits import HORIZON, MESSAGE, TRAINING
 from habilis.studio.scenes import Scene
 from habilis.worlds.world import Cell
 
@@ -194,6 +194,8 @@ def _settings(value: Any) -> dict[str, Any]:
     for name in ("runs", "episodes"):
         if name in given:
             number(name, given[name], 1, TRAINING[name], whole=True)
+    if "horizon" in given:
+        number("horizon", given["horizon"], 0, HORIZON, whole=True)
     return given
 
 
