@@ -41,13 +41,15 @@ export function fromFragment(
     const value = said.get(name);
     return value !== null && Object.hasOwn(known, value) ? (value as Name) : fresh;
   };
-  const tool = said.get("t") ?? "none";
+  const wanted = said.get("t") ?? "none";
+  const tool = tools.includes(wanted) && world.tool !== null ? wanted : "none";
+  const sensor = one<Sensor>("s", SENSORS, FRESH.sensor);
   const count = world.height * world.width;
   return {
     scene: {
       world,
-      tool: tools.includes(tool) && world.tool !== null ? tool : "none",
-      sensor: one<Sensor>("s", SENSORS, FRESH.sensor),
+      tool,
+      sensor: sensor === "tool" && tool === "none" ? FRESH.sensor : sensor,
       cells: (said.get("c") ?? "")
         .split(".")
         .filter((part) => /^\d+$/.test(part) && Number(part) < count)

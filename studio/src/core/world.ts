@@ -94,7 +94,7 @@ export function mapText(world: World, tool: string): string {
 
 /** The rows of a map's text, without what is said about it. */
 export function rowsOf(text: string): string[] {
-  const rows = text.split("\n").map((line) => line.trimEnd());
+  const rows = text.replace(/^\uFEFF/, "").split("\n").map((line) => line.trimEnd());
   return rows.filter((line) => line && !line.startsWith(";"));
 }
 

@@ -38,6 +38,8 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
     waiting.textContent = `Bits at the can, over ${estimated ? "some of all its places." : "all its places."}`;
     const said = error ? [] : why !== null ? [why] : sentence(tool, averages, verdicts[tool]);
     verdict.replaceChildren(...said);
+    const of = why !== null || error !== null || tool === "none" ? [] : [tool, "none"];
+    verdict.dataset.fresh = String(of.every((name) => compared.includes(name)));
     verdict.dataset.kind = kindOf(why === null ? verdicts[tool] : undefined);
   }
 

@@ -4,7 +4,7 @@ import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { LandscapeAnswer } from "../core/protocol";
 import { message } from "../core/scene";
-import { mapText, parseMap, rowsOf } from "../core/world";
+import { mapText, parseMap } from "../core/world";
 import { openDialog } from "../frame/dialog";
 import { button, notice } from "../frame/widgets";
 
@@ -18,7 +18,7 @@ export function openMapText({ connection, store, hello }: App): void {
 
   function takeIn(): void {
     fault.textContent = "";
-    const map = rowsOf(area.value).join("\n");
+    const map = area.value; // whole, so that the server counts its lines as one sees them
     const { tool } = parseMap(map);
     const name = (tool && hello.tool_characters[tool]) ?? "none";
     const asked = connection.ask<LandscapeAnswer>(
