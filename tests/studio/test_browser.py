@@ -1,5 +1,6 @@
 """The studio in a real browser: what a person does, and what the page then shows."""
 
+import socket
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -213,6 +214,18 @@ def test_a_link_that_is_damaged_opens_the_first_world(browser: Browser, address:
         page.close()
 
 
+def test_a_link_that_asks_for_what_is_not_there_is_taken_as_far_as_it_goes(
+    browser: Browser, address: str
+):
+    page = browser.new_page()
+    page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=none&s=tool&x=tool&h=99&v=nowhere")
+    bare = World.parse("A.CG\n....\n....\n....")
+    assert shown_bits(page) == true_bits(bare, 10)
+    assert page.locator("#sensor").input_value() == "object"
+    expect(page.locator("#fault")).to_be_empty()
+    page.close()
+
+
 def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
     page.mouse.move(*middle(page, LANDSCAPE, (8, 4)))
     marks = page.locator(f"{LANDSCAPE} .mark")
@@ -242,12 +255,29 @@ def test_the_picture_of_the_readme_is_taken_by_a_command(browser: Browser, tmp_p
         assert path.stat().st_size < LARGEST_PICTURE
 
 
+def test_averages_of_the_scene_before_fade_until_those_of_this_one_are_there(page: Page):
+    bits = page.locator(".bars [data-tool=none] .bits")
+    verdict = page.locator("#verdict")
+    shown_averages(page)
+    for shown in (bits, verdict):
+        expect(shown).to_have_css("opacity", "1")
+    page.locator("#map-text").click()
+    page.locator("#text").fill("AP.CG" + "." * 25 + ("\n" + "." * 30) * 29)
+    page.locator("#use-map").click()
+    settled(page)
+    for shown in (bits, verdict):
+        expect(shown).to_have_css("opacity", "0.4")
+    shown_averages(page)
+    for shown in (bits, verdict):
+        expect(shown).to_have_css("opacity", "1")
+
+
 def test_built_in_worlds_and_map_text(page: Page):
     page.locator("#worlds").select_option("corridor")
     assert shown_bits(page) == true_bits(load_world("corridor"), 3)
     page.locator("#map-text").click()
     text = "; a comment\n.....\n.AB..\n..C..\n....G"
-    page.locator("#text").fill(text)
+    page.locator("#text").fill(f"\ufeff{text}".replace("\n", " \r\n"))  # as some editors leave it
     page.locator("#use-map").click()
     expect(page.locator("dialog")).to_have_count(0)
     assert shown_bits(page) == true_bits(World.parse(text), 3)
@@ -256,10 +286,10 @@ def test_built_in_worlds_and_map_text(page: Page):
 
 def test_map_text_that_is_no_map_is_refused_in_the_library_s_words(page: Page):
     page.locator("#map-text").click()
-    text = "....\n.AA.\n..C.\n...G"
+    text = "; its lines count\n....\n.AA.\n..C.\n...G"
     page.locator("#text").fill(text)
     page.locator("#use-map").click()
-    with pytest.raises(ValueError, match="second agent") as refused:
+    with pytest.raises(ValueError, match="line 3, column 3: a second agent") as refused:
         World.parse(text)
     expect(page.locator("dialog .fault")).to_have_text(str(refused.value))
     page.keyboard.press("Escape")
@@ -370,6 +400,17 @@ def test_show_me_acts_out_a_shortest_plan(page: Page):
     )
 
 
+def test_show_me_says_that_there_is_no_plan(page: Page):
+    page.locator("#map-text").click()
+    page.locator("#text").fill("AC#G\n..##\n....\n....")
+    page.locator("#use-map").click()
+    expect(page.locator("dialog")).to_have_count(0)
+    page.locator("#tab-play").click()
+    page.locator("#show-me").click()
+    expect(page.locator("#plan")).to_have_text("No plan: the bin is out of reach.")
+    expect(page.locator("#show-me")).to_have_text("Show me")
+
+
 def test_light_and_dark_by_preference_and_by_the_switch(page: Page):
     body = page.locator("body")
     light, dark = "rgb(246, 245, 241)", "rgb(18, 20, 23)"
@@ -391,6 +432,9 @@ def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
     page.set_viewport_size({"width": size[0], "height": size[1]})
     for view in ("design", "play", "train", "run"):
         page.locator(f"#tab-{view}").click()
+        if view == "play":
+            page.get_by_role("switch", name="Bits").check()
+            expect(page.locator("#play-board .labels text")).not_to_have_count(0)
         wide, high = page.evaluate(
             "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
         )
@@ -611,6 +655,39 @@ def test_a_map_of_several_things_is_taken_in_as_text(page: Page):
     page.locator("#text").fill("R = os:path\nARC.G\n.....\n.....\n.....")
     page.locator("#use-map").click()
     expect(page.locator("dialog .fault")).to_contain_text("line 1: binds a character to a file")
+
+
+def test_a_page_goes_on_when_its_server_has_come_back(browser: Browser):
+    pytest.importorskip("jax")
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = str(free.getsockname()[1])
+    page = browser.new_page(viewport=SIZE)
+    with served("--port", port) as address:
+        page.goto(address)
+        settled(page)
+        page.locator("#tab-train").click()
+        page.locator("#beta").fill("10")
+        page.locator("#episodes").fill("100000")
+        page.locator("#start").click()
+        expect(page.locator("#stop")).to_be_enabled()
+        page.locator("#tab-play").click()
+        expect(page.locator("#bits-now")).not_to_have_text("–")
+    status = page.locator(".status")
+    expect(status).to_contain_text("The server is gone")
+    page.keyboard.press("ArrowDown")  # to nobody
+    page.locator("#tab-train").click()
+    expect(page.locator(".training .fault")).to_have_text("the line to the server was lost")
+    with served("--port", port):
+        expect(status).to_be_hidden()
+        expect(page.locator("#start")).to_be_enabled()
+        page.locator("#tab-play").click()
+        page.keyboard.press("ArrowDown")
+        expect(page.locator("#play-state")).to_contain_text("1 step")
+        page.locator("#tab-design").click()
+        drag(page, WORLD, (7, 4), (7, 5))
+        walled = replace(YARD, walls=YARD.walls | {(7, 4), (7, 5)})
+        assert shown_bits(page) == true_bits(walled, 3)
+    page.close()
 
 
 CONTRASTS = """() => {

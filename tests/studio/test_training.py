@@ -1,5 +1,9 @@
 """The studio trains with the real trainer, and shows what was learned."""
 
+import os
+import signal
+from pathlib import Path
+
 import numpy as np
 import pytest
 from studio import page, scene, studio
@@ -144,6 +148,7 @@ def test_a_page_trains_one_thing_at_a_time_and_measures_meanwhile(there):
     ("settings", "words"),
     [
         ({"runs": 11}, "runs is 11; give a whole number from 1 to 10"),
+        ({"horizon": 11, "intrinsic": "object", "beta": 1.0}, "horizon is 11; give a whole number"),
         ({"episodes": 10**6}, "give a whole number from 1 to 100,000"),
         ({"hidden": [60_000]}, "settings has 'hidden', which is unknown"),
         ({"world": "/etc/passwd"}, "settings has 'world', which is unknown"),
@@ -169,6 +174,47 @@ def test_what_the_trainer_does_not_take_is_refused(there):
     walled = hb.World.parse("AC#G\n..##\n....\n....")
     answers = done(there, there.send("train", scene=scene(walled), settings={"runs": 1}))
     assert "the goal cannot be reached" in answers[-1]["error"]
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="finds processes in /proc")
+def test_a_trainer_that_dies_is_no_training_that_has_ended(there):
+    number = there.send("train", scene=scene(SMALL), settings=LONG)
+    answers = there.answers(number)
+    next(answer for answer in answers if answer.get("curve"))
+    for process in trainers_of(os.getpid()):
+        os.kill(process, signal.SIGKILL)
+    error = next(answer for answer in answers if "done" in answer or "error" in answer)["error"]
+    assert error.startswith("the trainer ended unexpectedly")
+    assert "landscape" in there.ask("measure", scene=scene(SMALL))
+
+
+def trainers_of(process: int) -> list[int]:
+    """The trainers among the processes that a process has started, and those that these have."""
+    found = []
+    for children in Path(f"/proc/{process}/task").glob("*/children"):
+        for child in map(int, children.read_text().split()):
+            words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
+            found += [child] * (b"habilis.studio.trainer" in words) + trainers_of(child)
+    return found
+
+
+def test_a_tool_of_ones_own_that_prints_trains_as_others_do(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "import numpy as np\n"
+        "class Rake:\n"
+        "    character = 'R'\n"
+        "    def attached(self, agent, tool, thing):\n"
+        "        print('a tool may print')\n"
+        "        return np.zeros(thing.shape, bool)\n"
+        "    def carry(self, agent, tool, thing, step):\n"
+        "        return thing\n"
+        "    def swing(self, agent, tool, thing, step):\n"
+        "        return thing\n"
+    )
+    with studio("--tool", f"{tmp_path}/mine.py:Rake") as address, page(address) as there:
+        asked = scene(SMALL.with_tool(f"{tmp_path}/mine.py:Rake"))
+        answers = done(there, there.send("train", scene=asked, settings=SETTINGS))
+    assert answers[-1]["episodes"] > 0, answers[-1]
 
 
 def test_what_is_trained_is_kept_where_it_was_asked_to_be(run, tmp_path):

@@ -76,7 +76,7 @@ from typing import Any, NoReturn
 
 from habilis.mdp import HELD, LAID
 from habilis.studio.fields import cell, checked, number, shown, text
-from habilis.studio.limits import MESSAGE, THINGS, TRAINING
+from habilis.studio.limits import HORIZON, MESSAGE, THINGS, TRAINING
 from habilis.studio.scenes import Scene
 from habilis.worlds.rules import ACTIONS
 from habilis.worlds.world import Cell
@@ -212,6 +212,8 @@ def _settings(value: Any) -> dict[str, Any]:
     for name in ("runs", "episodes"):
         if name in given:
             number(name, given[name], 1, TRAINING[name], whole=True)
+    if "horizon" in given:
+        number("horizon", given["horizon"], 0, HORIZON, whole=True)
     return given
 
 

@@ -7,8 +7,10 @@ training, and one for how it ended: `{"ended": true}`, `{"stopped": true}` or `{
 """
 
 import json
+import os
 import sys
 from pathlib import Path
+from typing import Any
 
 from habilis.learning.config import Config
 from habilis.learning.runs import Progress
@@ -18,19 +20,24 @@ CHECKPOINT_SECONDS = 1.0
 
 
 def main(folder: str) -> None:
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # somebody's own tool may print
+
+    def tell(**told: Any) -> None:
+        print(json.dumps(told), file=answers, flush=True)
+
     def show(progress: Progress) -> None:
-        told = {"share": progress.share, "steps_per_second": progress.steps_per_second}
-        print(json.dumps(told), flush=True)
+        tell(share=progress.share, steps_per_second=progress.steps_per_second)
 
     try:
         config = Config.from_dict(json.loads(sys.stdin.readline()))
         train(config, show, out=Path(folder), checkpoint_seconds=CHECKPOINT_SECONDS)
     except KeyboardInterrupt:
-        print(json.dumps({"stopped": True}))
+        tell(stopped=True)
     except (ValueError, FloatingPointError, OSError) as error:
-        print(json.dumps({"error": str(error)}))
+        tell(error=str(error))
     else:
-        print(json.dumps({"ended": True}))
+        tell(ended=True)
 
 
 if __name__ == "__main__":

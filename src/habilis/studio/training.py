@@ -20,6 +20,7 @@ from habilis.worlds.rules import Grid
 _NICE = 10
 _GRACE = 15  # seconds in which a trainer that is stopped writes its last checkpoint
 _NAME = 4  # random bytes
+_DIED = "the trainer ended unexpectedly; train fewer runs at once, or on a smaller map"
 
 
 class Training:
@@ -49,14 +50,21 @@ class Training:
             if self._stop:
                 return
             process = await _started(self.folder, self.config)
-            self._process = process
+            self._process, silent = process, False
             try:
                 if self._stop:
                     _terminate(process)
                 assert process.stdout is not None
+                last: dict[str, Any] = {}
                 while line := await process.stdout.readline():
-                    yield json.loads(line)
+                    last = json.loads(line)
+                    yield last
+                silent = True  # it is just ending by itself
+                if not self._stop and not last.keys() & {"ended", "stopped", "error"}:
+                    yield {"error": _DIED}
             finally:
+                if not silent:
+                    _terminate(process)
                 await _ended(process)
 
 
@@ -157,8 +165,7 @@ async def _started(folder: Path, config: Config) -> Process:
 
 
 async def _ended(process: Process) -> None:
-    """Lets a trainer write its last checkpoint, and sees it out."""
-    _terminate(process)
+    """Lets a trainer that is to end write its last checkpoint, and sees it out."""
     try:
         async with asyncio.timeout(_GRACE):
             await process.wait()

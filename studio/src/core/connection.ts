@@ -11,7 +11,7 @@ export interface Asked {
 }
 
 export interface Connection {
-  /** Sends a request; `on` gets every answer to it, until it is forgotten. */
+  /** Sends a request; `on` gets every answer to it, until it is forgotten or the line is lost. */
   ask<Answer extends Common>(
     what: string,
     body: object,
@@ -23,6 +23,7 @@ export interface Connection {
 
 const FIRST_WAIT = 400;
 const LONGEST_WAIT = 5000;
+const LOST = "the line to the server was lost";
 
 /** Connects to the server that the page came from, and again whenever the line is lost. */
 export function connect(
@@ -41,7 +42,7 @@ export function connect(
     socket.onmessage = (event) => receive(JSON.parse(String(event.data)));
     socket.onclose = () => {
       onStatus("lost");
-      listeners.clear();
+      for (const id of [...listeners.keys()]) lose(id);
       setTimeout(open, wait);
       wait = Math.min(2 * wait, LONGEST_WAIT);
     };
@@ -60,9 +61,16 @@ export function connect(
     if (!answer.overtaken) listener?.(answer);
   }
 
+  /** Nothing that was asked stays without an answer. */
+  function lose(id: number): void {
+    const listener = listeners.get(id) as ((answer: Common) => void) | undefined;
+    listeners.delete(id);
+    listener?.({ id, error: LOST, lost: true });
+  }
+
   function send(id: number, what: string, body: object): void {
-    if (socket?.readyState !== WebSocket.OPEN) return;
-    socket.send(JSON.stringify({ id, do: what, ...body }));
+    if (socket?.readyState !== WebSocket.OPEN) queueMicrotask(() => lose(id));
+    else socket.send(JSON.stringify({ id, do: what, ...body }));
   }
 
   open();

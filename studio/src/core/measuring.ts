@@ -61,6 +61,7 @@ export function createMeasuring(connection: Connection, store: Store): Measuring
     due = false;
     const scene = store.scene();
     asked = connection.ask<MeasureAnswer>("measure", { scene: message(scene) }, (answer) => {
+      if (answer.lost) return; // what is shown stays, until it is asked for again
       if (answer.error !== undefined) {
         tell({ ...NOTHING, error: answer.error, pending: false, scene });
       } else if (answer.progress !== undefined) tell({ progress: answer.progress });

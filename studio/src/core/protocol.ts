@@ -100,6 +100,8 @@ export interface Common {
   error?: string;
   progress?: number;
   overtaken?: boolean;
+  /** Not from the server: the line to it was lost, and nothing more will come. */
+  lost?: boolean;
 }
 
 export type Grid = (number | null)[][];

@@ -42,6 +42,8 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
     waiting.textContent = `Bits at the ${object}, over ${estimated ? "some of " : ""}all its places${tool === null ? ", each tool alone" : ""}.`;
     const said = error ? [] : why !== null ? [why] : tool === null ? [] : sentence(tool, object, averages, verdicts[tool]);
     verdict.replaceChildren(...said);
+    const of = why !== null || error !== null || tool === null || tool === "none" ? [] : [tool, "none"];
+    verdict.dataset.fresh = String(of.every((name) => compared.includes(name)));
     verdict.dataset.kind = kindOf(why === null && tool !== null ? verdicts[tool] : undefined);
   }
 

@@ -167,6 +167,8 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
 
   measuring.watch(tellOf);
   store.watch(() => {
+    clearTimeout(timer);
+    asked?.forget();
     marks = hovered = null;
     told.textContent = hint();
     draw();

@@ -41,6 +41,10 @@ export function createBits({ connection, store }: App, onChange: () => void): Bi
     asked = connection.ask<LandscapeAnswer>("landscape", body, (next) => {
       if (next.progress !== undefined) return;
       asked?.forget();
+      if (next.lost) {
+        of = ""; // to be asked again
+        return;
+      }
       [answer, late] = [next, false];
       onChange();
     });

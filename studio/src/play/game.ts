@@ -69,7 +69,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     const of = turn;
     const body = { ...asking(), action: null };
     const asked = connection.ask<StepAnswer>("step", body, (answer) => {
-      if (of !== turn || answer.progress !== undefined) return;
+      if (of !== turn || answer.progress !== undefined || answer.lost) return;
       asked.forget();
       game = {
         ...game,
@@ -96,7 +96,8 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
       busy = false;
       if (answer.error !== undefined) {
         stop();
-        game = { ...game, error: answer.error };
+        queue = [];
+        if (!answer.lost) game = { ...game, error: answer.error };
       } else {
         game = {
           placement: answer.placement ? read(answer.placement) : game.placement,
@@ -134,13 +135,14 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     const asked = connection.ask<SolveAnswer>("solve", asking(), (answer) => {
       if (of !== turn || answer.progress !== undefined) return;
       asked.forget();
-      if (answer.error !== undefined) {
+      if (answer.error !== undefined || answer.steps === null) {
         stop();
-        game = { ...game, error: answer.error };
-        return onChange();
+        if (answer.error !== undefined && !answer.lost) game = { ...game, error: answer.error };
+        onChange();
+        if (answer.error === undefined) told(null);
+        return;
       }
       told(answer.steps ?? null);
-      if (answer.steps === null) return;
       plan = [...(answer.actions ?? [])];
       follow();
     });

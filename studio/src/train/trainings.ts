@@ -78,6 +78,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
       training.best = answer.best_return ?? training.best;
       if (answer.done) {
         training.done = answer.done;
+        asked?.forget();
         watch(training);
       }
       onChange();

@@ -8,7 +8,7 @@ from habilis.colours import COLOURS
 from habilis.learning.replay import success
 from habilis.learning.runs import Run
 from habilis.studies.comparing.study import CONVERGED, Measure, Study
-from habilis.studies.unseen.sweep import AGENTS, CASES, HELD_OUT, PAIRS, STARTS, STEPS
+from habilis.studies.unseen.sweep import AGENTS, CASES, HELD_OUT, PAIRS, STEPS
 
 UNSEEN = Measure("unseen", "success from unseen placements", False)
 SEEN = Measure("seen", "success from those of training", False)
@@ -23,7 +23,8 @@ def figure(table: pl.DataFrame, runs: pl.DataFrame) -> Figure:
     """Success rates over the number of placements that agents were trained from."""
     drawn = Figure(figsize=(10, 4.2), dpi=96)
     axes = drawn.subplots(1, 2, sharey=True)
-    places = np.arange(len(STARTS))
+    cases = table["case"].unique(maintain_order=True).to_list()
+    places = np.arange(len(cases))
     for ax, measure in zip(axes, (SEEN, UNSEEN), strict=True):
         for number, agent in enumerate(AGENTS):
             rows = table.filter(agent=agent.name)
@@ -39,7 +40,7 @@ def figure(table: pl.DataFrame, runs: pl.DataFrame) -> Figure:
                 **{"fmt": "o", "color": colour, "markersize": 5, "capsize": 3},
             )
         ax.set(title=measure.title, xlabel="placements trained from", ylim=(-0.02, 1.04))
-        ax.set_xticks(places, [str(count) for count in STARTS])
+        ax.set_xticks(places, [str(case).removesuffix(" placements") for case in cases])
         ax.spines[["top", "right"]].set_visible(False)
     axes[0].set_ylabel("share from which the goal is reached")
     axes[1].legend(frameon=False, loc="upper left")
