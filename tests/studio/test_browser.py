@@ -244,6 +244,20 @@ def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
     expect(marks).to_have_count(0)
 
 
+def test_a_tap_on_a_cell_marks_what_could_be_brought_about_until_the_next(
+    browser: Browser, address: str
+):
+    with browser.new_context(viewport=SIZE, has_touch=True) as context:
+        page = context.new_page()
+        page.goto(address)
+        settled(page)
+        marks = page.locator(f"{LANDSCAPE} .mark")
+        for cell, places in (((8, 4), 6), ((7, 1), 2), ((0, 0), 1)):
+            page.touchscreen.tap(*middle(page, LANDSCAPE, cell))
+            expect(marks).to_have_count(places)
+            expect(page.locator("#told")).to_contain_text(f"{np.log2(places):.2f} bits")
+
+
 def test_the_picture_of_the_readme_is_taken_by_a_command(browser: Browser, tmp_path: Path):
     take(browser, tmp_path / "studio.png")
     for path in (tmp_path / "studio.png", ROOT / "docs" / "studio.png"):
@@ -379,6 +393,19 @@ def acted(world: World, action: int) -> World:
     return placement(world, mdp, int(mdp.next_state[mdp.start, action]))
 
 
+PRESSED_AT_ONCE = """() => {
+  for (const key of ["ArrowRight", "ArrowDown", "ArrowDown", "ArrowLeft"])
+    document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+}"""
+
+
+def test_keys_that_are_pressed_while_the_server_thinks_are_not_lost(page: Page):
+    page.locator("#tab-play").click()
+    expect(page.locator("#bits-now")).not_to_have_text("–")
+    page.evaluate(PRESSED_AT_ONCE)
+    expect(page.locator("#play-state")).to_contain_text("4 steps")
+
+
 def test_a_click_beside_the_agent_moves_it_there(page: Page):
     page.locator("#tab-play").click()
     row, column = YARD.agent
@@ -441,6 +468,24 @@ def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
         assert wide <= size[0]
         assert high <= size[1]
         keep_picture(page, f"{view}-{size[0]}")
+
+
+@pytest.mark.parametrize("sides", [("30", "4"), ("4", "30"), ("30", "30")])
+def test_no_map_is_too_tall_or_too_wide(page: Page, sides: tuple[str, str]):
+    for side, value in zip(("rows", "columns"), sides, strict=True):
+        page.locator(f"#{side}").fill(value)
+        page.keyboard.press("Tab")
+    settled(page)
+    page.mouse.move(*middle(page, LANDSCAPE, (0, 1)))
+    expect(page.locator("#told")).to_contain_text("From row 1, column 2")
+    for view in ("design", "play"):
+        page.locator(f"#tab-{view}").click()
+        if view == "play":
+            page.get_by_role("switch", name="Bits").check()
+            expect(page.locator(".play .scale")).to_be_visible()
+        sizes = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+        assert page.evaluate(sizes) == [SIZE["width"], SIZE["height"]]
+        keep_picture(page, f"{view}-{'x'.join(sides)}")
 
 
 def test_a_tablet_held_upright_is_filled(page: Page):

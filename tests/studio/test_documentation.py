@@ -30,6 +30,7 @@ def words(text: str) -> set[str]:
         ("slip", f"{limits.SLIP:.0%}".replace("%", " %")),
         ("seconds of one computation, by an estimate or else by the clock", f"{limits.SECONDS:g}"),
         ("GiB of memory of one computation", f"{limits.GIB:g}"),
+        ("placements that an average is estimated from", limits.DRAWN),
         ("pages at once", limits.CLIENTS),
         ("characters of a message", f"{limits.MESSAGE:,}"),
         ("runs of a training", limits.TRAINING["runs"]),

@@ -1,13 +1,16 @@
 """No message, whatever it is, does the server any harm."""
 
+import contextlib
 import json
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from studio import page, scene, studio
+from websockets.exceptions import ConnectionClosed
 
 import habilis as hb
+from habilis.studio.limits import CLIENTS
 from habilis.studio.messages import MessageError, Request, read
 
 TOOLS = ("picker", "broom")
@@ -162,6 +165,16 @@ def test_after_a_thousand_malformed_messages_the_server_answers_as_before(addres
         assert len(errors) > 500
         assert not [a for a in answers if "error" in a and "\n" in a["error"]]
         assert other.ask("measure", scene=SCENE)["landscape"] == before
+
+
+def test_more_pages_than_there_is_room_for_are_told_to_try_later(address):
+    with contextlib.ExitStack() as pages:
+        for _ in range(CLIENTS):
+            pages.enter_context(page(address))
+        with pytest.raises(ConnectionClosed, match=r"1013.*pages are open; close one"):
+            pages.enter_context(page(address))
+    with page(address) as there:
+        assert "landscape" in there.ask("measure", scene=SCENE)
 
 
 def test_a_message_that_is_too_long_for_any_use_ends_its_own_connection_only(address):

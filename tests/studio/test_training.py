@@ -1,7 +1,9 @@
 """The studio trains with the real trainer, and shows what was learned."""
 
+import contextlib
 import os
 import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +16,14 @@ from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
 from habilis.learning.train import train
 from habilis.studio.drawn import world_of
+from habilis.studio.limits import TRAINING
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement
 from habilis.worlds.tools import TOOLS
 
 SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")
 SETTINGS = {"intrinsic": "object", "horizon": 2, "beta": 0.1, "runs": 2, "episodes": 400, "seed": 3}
+needs_proc = pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc")
 LONG = {"runs": 1, "algorithm": "soft-value-iteration", "episodes": 100_000, "discount": 0.0}
 
 
@@ -176,7 +180,7 @@ def test_what_the_trainer_does_not_take_is_refused(there):
     assert "the goal cannot be reached" in answers[-1]["error"]
 
 
-@pytest.mark.skipif(not Path("/proc/self").exists(), reason="finds processes in /proc")
+@needs_proc
 def test_a_trainer_that_dies_is_no_training_that_has_ended(there):
     number = there.send("train", scene=scene(SMALL), settings=LONG)
     answers = there.answers(number)
@@ -186,6 +190,33 @@ def test_a_trainer_that_dies_is_no_training_that_has_ended(there):
     error = next(answer for answer in answers if "done" in answer or "error" in answer)["error"]
     assert error.startswith("the trainer ended unexpectedly")
     assert "landscape" in there.ask("measure", scene=scene(SMALL))
+
+
+@needs_proc
+def test_closing_a_page_ends_what_it_trains_and_lets_others_train(address):
+    stuck = 300  # seconds after which what has not come is not going to
+    for _ in range(TRAINING["at_once"] + 1):
+        with page(address) as leaving:
+            answers = leaving.answers(leaving.send("train", scene=scene(SMALL), settings=LONG))
+            next(answer for answer in answers if answer.get("curve"))
+    began = time.monotonic()
+    while trainers_of(os.getpid()) and time.monotonic() - began < stuck:
+        time.sleep(0.1)
+    assert not trainers_of(os.getpid())
+
+
+@needs_proc
+def test_trainings_wait_for_each_other_but_not_all_that_are_asked_for(address):
+    allowed = TRAINING["at_once"] + TRAINING["waiting"]
+    with contextlib.ExitStack() as pages:
+        for _ in range(allowed):
+            one = pages.enter_context(page(address))
+            number = one.send("train", scene=scene(SMALL), settings=LONG)
+            assert "progress" in next(one.answers(number))
+        last = pages.enter_context(page(address))
+        refusal = last.ask("train", scene=scene(SMALL), settings=LONG)["error"]
+        assert refusal == f"{TRAINING['waiting']} trainings wait already; try again later"
+        assert len(trainers_of(os.getpid())) <= TRAINING["at_once"]
 
 
 def trainers_of(process: int) -> list[int]:

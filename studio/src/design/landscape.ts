@@ -151,7 +151,9 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
   });
   picture.addEventListener("pointerup", () => (painting = null));
   picture.addEventListener("pointercancel", () => (painting = null));
-  picture.addEventListener("pointerleave", () => hover(null));
+  picture.addEventListener("pointerleave", (event) => {
+    if (event.pointerType !== "touch") hover(null); // a finger leaves with every tap
+  });
   picture.addEventListener("focus", () => picture.matches(":focus-visible") && hover(board.cursor()));
   picture.addEventListener("blur", () => hover(null));
   picture.addEventListener("keydown", (event) => {

@@ -84,8 +84,9 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
   }
 
   function next(): void {
+    if (busy || game.ended) return;
     const action = queue.shift();
-    if (action === undefined || busy || game.ended) return;
+    if (action === undefined) return;
     busy = true;
     const of = turn;
     const body = { ...asking(), action };
