@@ -224,5 +224,6 @@ def test_the_reward_may_have_the_bits_of_several_objects(sensor, both, small: hb
     envs = EmpowermentReward(WorldVectorEnv(2, small), 2, sensor, beta=0.1)
     envs.reset(seed=0)
     assert envs.step(np.array([EAST, EAST]))[-1]["empowerment"][1] == info["empowerment"]
-    params = FunctionalEnv(small).with_empowerment(2, sensor, beta=0.1).default_params
-    np.testing.assert_array_equal(params.empowerment.bits, bits.astype(np.float32))
+    added = FunctionalEnv(small).with_empowerment(2, sensor, beta=0.1).default_params.empowerment
+    assert added is not None
+    np.testing.assert_array_equal(added.bits, bits.astype(np.float32))
