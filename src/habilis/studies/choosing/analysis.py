@@ -30,15 +30,16 @@ STUDY = Study(
     title="The tool that fits",
     question="Several tools lie about, and with only one of them, the rake, can the can be "
     "brought to its goal. In niche the first tool that the agent comes to stays in its hand; in "
-    "shelf it can be put down. Which reward leads to the rake, and to the goal, sooner?",
+    "shelf it can be put down. Which reward leads to the rake, and to the goal, sooner? The rake "
+    "counts as in hand in an episode where it is for most of its steps.",
     cases=CASES,
     agents=AGENTS,
     pairs=PAIRS,
     measures=(
         CONVERGED,
         FIRST,
-        Measure("early", f"rake in hand, share of the first {EARLY:,} episodes", False),
-        Measure("late", f"rake in hand, share of the last {LATE} episodes", False),
+        Measure("early", f"rake in hand in the first {EARLY:,} episodes", False),
+        Measure("late", f"rake in hand in the last {LATE} episodes", False),
     ),
     tell=tell,
     figure=episodes_figure,

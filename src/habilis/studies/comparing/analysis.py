@@ -138,5 +138,7 @@ def sentences(study: Study, compared: Sequence[Comparison]) -> list[str]:
                 ]
                 if others:
                     parts.append(f"{phrase} {', '.join(others)}")
-            told.append(f"{case.name}, {study.measures[0].title}: {agent} is {'; '.join(parts)}.")
+            told.append(
+                f"{case.name}: by {study.measures[0].title}, {agent} is {'; '.join(parts)}."
+            )
     return told

@@ -1,9 +1,10 @@
-"""The picture that two of the studies share: every run, and the intervals over them."""
+"""Pictures of every run, and of the intervals over them."""
 
 from collections.abc import Sequence
 
 import numpy as np
 import polars as pl
+from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
@@ -46,6 +47,35 @@ def episodes_figure(
     return figure
 
 
+def shares_panel(ax: Axes, table: pl.DataFrame, runs: pl.DataFrame, measure: Measure) -> None:
+    """One panel of a measure that is a share, a row an agent.
+
+    Args:
+        ax: where to.
+        table, runs: of one case, as in `episodes_figure`.
+        measure: the share.
+    """
+    for place, row in enumerate(table.iter_rows(named=True)):
+        x = runs.filter(agent=row["agent"])[measure.column].to_numpy()
+        ax.scatter(x, _spread(place, len(x)), s=7, c=_RUN, linewidths=0)
+        middle, low, high = (row[measure.column + end] for end in ("", "_low", "_high"))
+        ax.plot([low, high], [place, place], color=_MIDDLE, linewidth=3, alpha=0.45)
+        ax.plot(middle, place, "o", color=_MIDDLE, markersize=6)
+    ax.set(xlim=(-0.02, 1.02))
+    ax.tick_params(axis="x", labelsize=8)
+    _bare(ax)
+
+
+def _spread(place: int, count: int) -> Float[np.ndarray, "count"]:
+    """Heights of an agent's runs around its own."""
+    return place + 0.26 * np.linspace(-1, 1, count)
+
+
+def _bare(ax: Axes) -> None:
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    ax.tick_params(axis="y", length=0)
+
+
 def _ends(table: pl.DataFrame, runs: pl.DataFrame, measure: Measure) -> tuple[float, float]:
     """Where an axis begins, and where on it those are drawn that never came so far."""
     columns = [runs[measure.column], *(table[measure.column + end] for end in ("_low", "_high"))]
@@ -59,9 +89,8 @@ def _panel(
     for place, row in enumerate(table.iter_rows(named=True)):
         values = runs.filter(agent=row["agent"])[measure.column]
         x = values.cast(pl.Float64).fill_null(never).to_numpy()
-        y = place + 0.26 * np.linspace(-1, 1, len(x))
         colours = np.where(x < never, _RUN, _NEVER).tolist()
-        ax.scatter(x, y, s=7, c=colours, linewidths=0)
+        ax.scatter(x, _spread(place, len(x)), s=7, c=colours, linewidths=0)
         middle, low, high = (row[measure.column + end] for end in ("", "_low", "_high"))
         if middle is not None:
             end = 0.7 * never if high is None else high
@@ -81,5 +110,4 @@ def _scale(ax: Axes, least: float, never: float) -> None:
     ax.xaxis.set_major_locator(FixedLocator([*shown, never]))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.set_xticklabels([*(f"{tick:,}" for tick in shown), "never"], fontsize=8)
-    ax.spines[["top", "right", "left"]].set_visible(False)
-    ax.tick_params(axis="y", length=0)
+    _bare(ax)

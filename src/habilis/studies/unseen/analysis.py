@@ -1,12 +1,11 @@
 """From what share of placements, seen and unseen, a trained agent reaches the goal."""
 
-import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
-from habilis.colours import COLOURS
 from habilis.learning.replay import success
 from habilis.learning.runs import Run
+from habilis.studies.comparing.pictures import shares_panel
 from habilis.studies.comparing.study import CONVERGED, Measure, Study
 from habilis.studies.unseen.sweep import AGENTS, CASES, HELD_OUT, PAIRS, STEPS
 
@@ -20,30 +19,23 @@ def tell(run: Run, index: int) -> dict[str, float | None]:
 
 
 def figure(table: pl.DataFrame, runs: pl.DataFrame) -> Figure:
-    """Success rates over the number of placements that agents were trained from."""
-    drawn = Figure(figsize=(10, 4.2), dpi=96)
-    axes = drawn.subplots(1, 2, sharey=True)
+    """Success rates: every run, and the mean over them with its interval.
+
+    Args:
+        table: of `analysis.summary`.
+        runs: a row a run, as `training.trained` has them.
+    """
     cases = table["case"].unique(maintain_order=True).to_list()
-    places = np.arange(len(cases))
-    for ax, measure in zip(axes, (SEEN, UNSEEN), strict=True):
-        for number, agent in enumerate(AGENTS):
-            rows = table.filter(agent=agent.name)
-            middle, low, high = (
-                rows[measure.column + end].to_numpy() for end in ("", "_low", "_high")
-            )
-            colour = COLOURS[number // 2]
-            style = "-" if agent.has_bonus else "--"
-            x = places + 0.06 * (number - (len(AGENTS) - 1) / 2)
-            ax.plot(x, middle, style, color=colour, label=agent.name, linewidth=1.4)
-            ax.errorbar(
-                *(x, middle, [middle - low, high - middle]),
-                **{"fmt": "o", "color": colour, "markersize": 5, "capsize": 3},
-            )
-        ax.set(title=measure.title, xlabel="placements trained from", ylim=(-0.02, 1.04))
-        ax.set_xticks(places, [str(case).removesuffix(" placements") for case in cases])
-        ax.spines[["top", "right"]].set_visible(False)
-    axes[0].set_ylabel("share from which the goal is reached")
-    axes[1].legend(frameon=False, loc="upper left")
+    agents = table["agent"].unique(maintain_order=True).to_list()
+    size = 9.6, (0.8 + 0.32 * len(agents)) * len(cases)
+    drawn = Figure(figsize=size, dpi=96)
+    axes = drawn.subplots(len(cases), 2, sharex=True, sharey=True, squeeze=False)
+    for row, case in zip(axes, cases, strict=True):
+        for ax, measure in zip(row, (SEEN, UNSEEN), strict=True):
+            shares_panel(ax, table.filter(case=case), runs.filter(case=case), measure)
+            ax.set_title(f"{case}: {measure.title}", fontsize=9)
+        row[0].set_yticks(range(len(agents)), agents, fontsize=8)
+    axes[0, 0].invert_yaxis()
     drawn.tight_layout()
     return drawn
 
@@ -60,7 +52,7 @@ STUDY = Study(
     measures=(UNSEEN, SEEN, CONVERGED),
     tell=tell,
     figure=figure,
-    caption="Success of the greedy policy from placements that it was trained from (left) and from "
-    "others (right): means over runs, and 95 % bootstrap intervals.",
+    caption="Success of the greedy policy from the placements that it was trained from (left) and "
+    "from others (right): every run, and the mean over them with its 95 % bootstrap interval.",
     steps=STEPS,
 )

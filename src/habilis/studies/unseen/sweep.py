@@ -2,8 +2,8 @@
 
 from habilis.studies.comparing.study import Agent, Case, world_of
 
-STEPS = 300_000
-STARTS = (32, 128)
+STEPS = 1_000_000
+STARTS = (64,)
 HELD_OUT = 100
 
 _ROOM = world_of(__package__ or "", "room")
