@@ -4,7 +4,7 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-studio test-integration paper quick multiverse studies check format docs calibrate reconstruct \
+.PHONY: test test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate reconstruct \
 	bench bench-sb3 page studio-picture clean
 
 # Side by side on all processors, the tests of a file together.
@@ -15,6 +15,10 @@ test: $(INSTALLED)
 # up to date.
 test-studio: $(INSTALLED) studio/node_modules
 	$(BIN)/python -m pytest tests/studio
+
+# The three studies of `habilis study` from end to end, with next to no training: a minute.
+test-studies: $(INSTALLED)
+	HABILIS_STUDIES=1 $(BIN)/python -m pytest tests/studies/test_learners.py
 
 # With torch, Stable-Baselines3 and gymnax, in an environment of their own.
 test-integration: $(APART)/installed

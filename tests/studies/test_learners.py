@@ -1,6 +1,7 @@
 """The worlds of the studies of learning to choose, and the studies from end to end."""
 
 import json
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -96,6 +97,8 @@ SHORT = {name: replace(study, cases=study.cases[:1]) for name, study in STUDIES.
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """All three studies, trained next to nothing."""
+    if "HABILIS_STUDIES" not in os.environ:
+        pytest.skip("make test-studies runs these")
     out = tmp_path_factory.mktemp("studies") / "out"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(learners, "STUDIES", SHORT)

@@ -191,11 +191,13 @@ def opened(
         kept: another folder for trainings, in which they are to be kept.
 
     Raises:
-        ValueError: the address is none of this machine's, a tool or run does not exist, or `kept`
-            cannot be written to.
+        ValueError: the address is none of this machine's, a tool or run does not exist or is there
+            already, or `kept` cannot be written to.
     """
-    for name in tools:
+    for place, name in enumerate(tools):
         tool_named(name)  # which says what is wrong with it
+        if name in (*TOOLS, *tools[:place]):
+            raise ValueError(f"tool {name!r} is there already; leave it out")
     shown = None if run is None else import_from("habilis.studio.trained", "learn").described(run)
     if kept is not None:
         import_from("habilis.learning.folder", "learn").check_writable(kept)
