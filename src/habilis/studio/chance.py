@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from habilis.worlds.reach import Placement
+from habilis.worlds.placements import Placement
 from habilis.worlds.world import Cell, World
 
 _SIDES = ((-1, 0), (0, 1), (1, 0), (0, -1))
