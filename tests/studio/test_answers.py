@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from studio import page, scene, studio
+from studio import page, printing_rake, scene, studio
 
 import habilis as hb
 from habilis.empowerment.futures import futures
@@ -15,18 +15,6 @@ from habilis.studio.drawn import world_of
 from habilis.worlds.tools import TOOLS
 
 WALLED = hb.World.parse("AP...\n.#C..\n.#..#\n....G", "map")
-
-
-@pytest.fixture(scope="module")
-def address():
-    with studio() as address:
-        yield address
-
-
-@pytest.fixture
-def there(address):
-    with page(address) as there:
-        yield there
 
 
 def values(answer):
@@ -269,20 +257,7 @@ def test_a_step_from_where_nothing_can_be_is_refused(there):
 
 
 def test_a_tool_of_ones_own_is_as_good_as_any(tmp_path):
-    (tmp_path / "mine.py").write_text(
-        "import numpy as np\n"
-        "class Rake:\n"
-        "    character = 'R'\n"
-        "    def attached(self, agent, tool, thing):\n"
-        "        print('a tool may print')\n"
-        "        return np.zeros(thing.shape, bool)\n"
-        "    def carry(self, agent, tool, thing, step):\n"
-        "        pulled = (thing - tool == tool - agent) & (step == agent - tool)\n"
-        "        return np.where(pulled, thing + step, thing)\n"
-        "    def swing(self, agent, tool, thing, step):\n"
-        "        return thing\n"
-    )
-    name = f"{tmp_path}/mine.py:Rake"
+    name = printing_rake(tmp_path)
     with studio("--tool", name) as address, page(address) as there:
         assert there.hello["tools"] == [*TOOLS, name, "none"]
         world = WALLED.with_tool(name)

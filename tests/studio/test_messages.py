@@ -6,7 +6,7 @@ import json
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from studio import page, scene, studio
+from studio import page, scene
 from websockets.exceptions import ConnectionClosed
 
 import habilis as hb
@@ -129,12 +129,6 @@ def raise_if_no_request(text):
     request = read(text, TOOLS)
     if request.do == "run":  # its name is looked at where trainings are kept
         raise MessageError("no request of ours", request.id)
-
-
-@pytest.fixture(scope="module")
-def address():
-    with studio() as address:
-        yield address
 
 
 def test_after_a_thousand_malformed_messages_the_server_answers_as_before(address):

@@ -12,12 +12,6 @@ from habilis.studio.security import Access, is_loopback
 
 
 @pytest.fixture(scope="module")
-def address():
-    with studio() as address:
-        yield address
-
-
-@pytest.fixture(scope="module")
 def open_address():
     with studio("--host", "0.0.0.0") as address:
         yield address

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from studio import page, scene, studio
+from studio import scene
 
 import habilis as hb
 from habilis.empowerment.measures import compare
@@ -15,18 +15,6 @@ WORLD = hb.World.parse(
     "R = rake\nD = ball\nH = goal of D\nG = goal of C\ndrop: true\nAP...\n.#C..\n.D..R\n.H..G",
     "map",
 )
-
-
-@pytest.fixture(scope="module")
-def address():
-    with studio() as address:
-        yield address
-
-
-@pytest.fixture
-def there(address):
-    with page(address) as there:
-        yield there
 
 
 def drawn(world: hb.World, **measured):

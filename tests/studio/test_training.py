@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studio import page, scene, studio
+from studio import page, printing_rake, scene, studio
 
 import habilis as hb
 from habilis.learning.curves import learning_curve
@@ -41,12 +41,6 @@ def address(run, tmp_path_factory):
     save_run(run, folder)
     with studio(str(folder)) as address:
         yield address
-
-
-@pytest.fixture
-def there(address):
-    with page(address) as there:
-        yield there
 
 
 def done(there, number):
@@ -230,19 +224,7 @@ def trainers_of(process: int) -> list[int]:
 
 
 def test_a_tool_of_ones_own_that_prints_trains_as_others_do(tmp_path):
-    (tmp_path / "mine.py").write_text(
-        "import numpy as np\n"
-        "class Rake:\n"
-        "    character = 'R'\n"
-        "    def attached(self, agent, tool, thing):\n"
-        "        print('a tool may print')\n"
-        "        return np.zeros(thing.shape, bool)\n"
-        "    def carry(self, agent, tool, thing, step):\n"
-        "        return thing\n"
-        "    def swing(self, agent, tool, thing, step):\n"
-        "        return thing\n"
-    )
-    with studio("--tool", f"{tmp_path}/mine.py:Rake") as address, page(address) as there:
+    with studio("--tool", printing_rake(tmp_path)) as address, page(address) as there:
         asked = scene(SMALL.with_tool(f"{tmp_path}/mine.py:Rake"))
         answers = done(there, there.send("train", scene=asked, settings=SETTINGS))
     assert answers[-1]["episodes"] > 0, answers[-1]

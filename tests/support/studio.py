@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
@@ -65,3 +66,24 @@ class Page:
 def scene(world: hb.World, **measured: Any) -> dict[str, Any]:
     """As a script would say it: by its map's text."""
     return {"map": world.text(), "tool": world.tool, "horizon": 2} | measured
+
+
+def printing_rake(folder: Path) -> str:
+    """Writes a tool of one's own that prints when it is asked; its name."""
+    (folder / "mine.py").write_text(RAKE, "utf-8")
+    return f"{folder}/mine.py:Rake"
+
+
+RAKE = """\
+import numpy as np
+class Rake:
+    character = 'R'
+    def attached(self, agent, tool, thing):
+        print('a tool may print')
+        return np.zeros(thing.shape, bool)
+    def carry(self, agent, tool, thing, step):
+        pulled = (thing - tool == tool - agent) & (step == agent - tool)
+        return np.where(pulled, thing + step, thing)
+    def swing(self, agent, tool, thing, step):
+        return thing
+"""

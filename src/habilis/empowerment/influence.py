@@ -14,13 +14,11 @@ from numpy.typing import ArrayLike
 
 from habilis.empowerment.core import Options
 from habilis.empowerment.horizons import empowerment_by_horizon
-from habilis.empowerment.measures import average_empowerment, compared_states
+from habilis.empowerment.measures import NOTHING, average_empowerment, compared_states
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
-
-_NOTHING = 1e-9  # what rounding can make of no empowerment at all
 
 
 def latency(
@@ -61,7 +59,7 @@ def latency(
 
 def first_above_nothing(bits: Float64[np.ndarray, "h+1 n"]) -> Float64[np.ndarray, "n"]:
     """The first row that is above 0, infinity where none is."""
-    some = bits > _NOTHING
+    some = bits > NOTHING
     return np.where(some.any(axis=0), some.argmax(axis=0), np.inf)
 
 
@@ -159,4 +157,4 @@ def fails(world: World, slip: float) -> bool:
 
 def share(part: float, whole: float) -> float:
     """A part of a whole, NaN if there is no whole."""
-    return part / whole if whole > _NOTHING else float("nan")
+    return part / whole if whole > NOTHING else float("nan")

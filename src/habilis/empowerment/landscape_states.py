@@ -9,7 +9,7 @@ import numpy as np
 from habilis.empowerment.arguments import whole_number
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import HELD, LAID, TabularMDP
-from habilis.worlds.moving import Where, elsewhere, free_cells
+from habilis.worlds.moving import Where, agent_cells, elsewhere
 from habilis.worlds.placements import Placement, places_of, start_of
 from habilis.worlds.reach import reachable
 from habilis.worlds.rules import NONE, Grid
@@ -58,8 +58,7 @@ def _only(world: World, kind: str, cell: Cell | None, where: Where | None) -> An
 def _placements(world: World) -> list[Placement]:
     """The agent in every cell where it can be, all else where the map has it."""
     there = start_of(world)
-    taken = {cell for name, cell in there.items() if name != "agent"}
-    return [{**there, "agent": cell} for cell in free_cells(world) if cell not in taken]
+    return [{**there, "agent": cell} for cell in agent_cells(world)]
 
 
 def _states_of_several(world: World, mdp: TabularMDP) -> np.ndarray:

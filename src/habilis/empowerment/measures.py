@@ -11,6 +11,9 @@ from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import NO_TOOL, World
 
+NOTHING = 1e-9
+"""What rounding can make of no empowerment at all."""
+
 
 def average_empowerment(
     mdp: TabularMDP, horizon: int, sensor: str = "object", **options: Unpack[Options]

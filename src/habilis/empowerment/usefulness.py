@@ -7,12 +7,10 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from habilis.empowerment.core import Options, empowerment
-from habilis.empowerment.measures import compared_states
+from habilis.empowerment.measures import NOTHING, compared_states
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import NO_TOOL, World
-
-_NOTHING = 1e-9  # what rounding can make of no empowerment at all
 
 
 @dataclass(frozen=True)
@@ -44,12 +42,12 @@ class Usefulness:
     @property
     def useful_on_average(self) -> bool:
         """Whether the average with the tool is above 0."""
-        return self.average_with_tool > _NOTHING
+        return self.average_with_tool > NOTHING
 
     @property
     def better_than_none_on_average(self) -> bool:
         """Whether the average with the tool is above that without."""
-        return self.average_with_tool > self.average_without + _NOTHING
+        return self.average_with_tool > self.average_without + NOTHING
 
 
 def usefulness(
@@ -86,9 +84,9 @@ def usefulness(
         states,
         with_tool,
         alone[same],
-        with_tool > _NOTHING,
+        with_tool > NOTHING,
         # What noise leaves open is not called better: the true values may differ by their gaps.
-        with_tool > alone[same] + np.maximum(gap[same], _NOTHING),
+        with_tool > alone[same] + np.maximum(gap[same], NOTHING),
         float(with_tool.mean()),
         float(alone.mean()),
     )

@@ -14,6 +14,7 @@ from habilis.studio.limits import DRAWN, FEWEST
 from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import Pool, StepError
 from habilis.studio.scenes import Scene
+from habilis.worlds.moving import agent_cells
 from habilis.worlds.world import NO_TOOL
 
 _SETTLED = 0.1  # seconds without an edit, before averages are begun that the next one would end
@@ -96,7 +97,7 @@ async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) ->
         return found["bits"]
 
     bits: list[float] = []
-    places = len(scene.agent_places())
+    places = len(agent_cells(scene.world))
     async for bits in in_stretches(places, step):
         await client.tell(number, progress=len(bits) / places)
     return bits
@@ -191,6 +192,6 @@ def _scene(request: Request) -> Scene:
 def _grid(scene: Scene, bits: list[float]) -> Grid:
     """Values of the agent's cells as rows of the map, `None` where the agent cannot be."""
     rows: Any = [[None] * scene.world.width for _ in range(scene.world.height)]
-    for (row, column), value in zip(scene.agent_places(), bits, strict=True):
+    for (row, column), value in zip(agent_cells(scene.world), bits, strict=True):
         rows[row][column] = value
     return rows

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from habilis.worlds.moving import free_cells
 from habilis.worlds.placements import Placement
 from habilis.worlds.world import Cell, World
 
@@ -23,11 +24,11 @@ def drawn(world: World, count: int, seed: int = 0) -> list[Placement]:
     Raises:
         ValueError: the tool can never be in hand.
     """
-    cells = [(row, column) for row in range(world.height) for column in range(world.width)]
-    free = [cell for cell in cells if cell not in world.walls]
+    free = free_cells(world)
+    inside = set(free)
     held: list[tuple[Cell, ...]] = [(agent,) for agent in free]
     if world.tools:
-        held = [(agent, tool) for agent in free for tool in _beside(agent) if tool in free]
+        held = [(agent, tool) for agent in free for tool in _beside(agent) if tool in inside]
     if not held:
         raise ValueError("there is no room to hold the tool; leave two free cells side by side")
     random = np.random.default_rng(seed)

@@ -6,7 +6,7 @@ from typing import Any
 from habilis.studio.fields import cell, checked, number, one_of, shown
 from habilis.studio.limits import THINGS
 from habilis.worlds.characters import FLOOR, WALL
-from habilis.worlds.parsing import numbered
+from habilis.worlds.parsing import fields_of, numbered
 from habilis.worlds.things import OBJECTS, PlacedObject, PlacedTool
 from habilis.worlds.world import World
 
@@ -65,7 +65,7 @@ def world_of(value: Any, kinds: Collection[str], name: str) -> World:
     first = things[0]
     if first.goal is None:
         raise ValueError(f"the first object, the {first.name}, has no goal; give it one")
-    world = World(
+    return World(
         name=name,
         height=len(rows),
         width=len(rows[0]),
@@ -76,23 +76,9 @@ def world_of(value: Any, kinds: Collection[str], name: str) -> World:
             if mark == WALL
         ),
         agent=cell("agent", given["agent"]),
-        object=first.cell,
-        goal=first.goal,
-        object_kind=first.kind,
-        more_objects=tuple(things[1:]),
         drop=given["drop"] and bool(placed),
-        **(
-            {
-                "tool": placed[0].kind,
-                "tool_cell": placed[0].cell,
-                "tool_slip": placed[0].slip,
-                "more_tools": tuple(placed[1:]),
-            }
-            if placed
-            else {}
-        ),
+        **fields_of(placed, things),
     )
-    return world
 
 
 def _few(name: str, value: Any, least: int) -> list[Any]:

@@ -13,7 +13,7 @@ from habilis.studio.drawn import world_of
 from habilis.studio.fields import cell, checked, number, one_of, text
 from habilis.studio.limits import HORIZON, SIDES, SLIP
 from habilis.worlds.map_text import header, map_lines
-from habilis.worlds.moving import elsewhere
+from habilis.worlds.moving import put
 from habilis.worlds.own_tools import is_own
 from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
 from habilis.worlds.world import NO_TOOL, Cell, World
@@ -103,7 +103,7 @@ class Scene:
         return self.world.objects[of].name
 
     @property
-    def placement(self) -> Placement:
+    def placement(self) -> dict[str, Cell]:
         """Where the map has everything."""
         return start_of(self.world)
 
@@ -120,12 +120,12 @@ class Scene:
             raise ValueError(
                 f"placement has {', '.join(at)}; give the cells of {', '.join(self.placement)}"
             )
-        names = [tool.name for tool in self.world.tools], [o.name for o in self.world.objects]
-        world = elsewhere(
+        there = {**self.placement, **at}
+        world = put(
             self.world,
-            agent=at["agent"],
-            tool={name: at[key] for name, key in zip(names[0], tools, strict=True) if key in at},
-            object={name: at[key] for name, key in zip(names[1], objects, strict=True)},
+            there["agent"],
+            [there[name] for name in tools],
+            [there[name] for name in objects],
         )
         return replace(self, world=world)
 
@@ -133,15 +133,6 @@ class Scene:
         """What averages are of: a tool, what all actions can do to the object with it."""
         world = self.world.with_object(self.object).with_tool(tool)
         return replace(self, world=world, sensor="object", thing=0, actions="all", cells=())
-
-    def agent_places(self) -> list[Cell]:
-        """The cells that the agent can be in, all else where the map has it."""
-        start = self.placement
-        taken = {cell for name, cell in start.items() if name != "agent"} | self.world.walls
-        every = (
-            (row, column) for row in range(self.world.height) for column in range(self.world.width)
-        )
-        return [place for place in every if place not in taken]
 
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":
         """The sensor as the library takes it."""

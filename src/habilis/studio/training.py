@@ -126,9 +126,7 @@ def check_trainable(scene: Scene) -> None:
     if scene.slip:
         raise ValueError(f"slip is {scene.slip:g}; training knows no chance: set it to 0")
     free, world = len(Grid.of(scene.world).free), scene.world
-    placements = free * free * (1 if not world.tools else 5)
-    if world.several:
-        placements = free ** (1 + len(world.objects)) * (1 + 4 * len(world.tools))
+    placements = free ** (1 + len(world.objects)) * (1 + 4 * len(world.tools))
     if placements > TRAINING["placements"]:
         raise ValueError(
             f"{world.name}: has up to {placements:,} placements; train on at most "

@@ -13,7 +13,7 @@ import numpy as np
 
 from habilis.empowerment.arguments import chosen_actions
 from habilis.empowerment.beliefs import TooManyBeliefsError
-from habilis.empowerment.core import empowerment
+from habilis.empowerment.core import Options, empowerment
 from habilis.empowerment.effort import (
     Limits,
     TooMuchError,
@@ -22,15 +22,17 @@ from habilis.empowerment.effort import (
     too_much,
 )
 from habilis.empowerment.futures import futures
-from habilis.empowerment.measures import compared_states
+from habilis.empowerment.measures import NOTHING, compared_states
 from habilis.empowerment.open_loop import Problem, exact, problem_of
 from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.studio.chance import drawn
 from habilis.studio.limits import DRAWN, FEWEST, GIB, SECONDS
 from habilis.studio.scenes import ELSEWHERE, Scene
+from habilis.worlds.described import rewards
+from habilis.worlds.moving import agent_cells
 from habilis.worlds.placements import Placement, start_of
 from habilis.worlds.plans import solve
-from habilis.worlds.reach import reachable
+from habilis.worlds.reach import TooManyPlacementsError, reachable
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
@@ -38,9 +40,8 @@ Answer = dict[str, Any]
 Cells = list[list[int]]
 
 _LIMITS = Limits(GIB, SECONDS)
-_OPTIONS = {"threads": 1, "max_gib": GIB, "max_seconds": SECONDS}
+_OPTIONS = Options(threads=1, max_gib=GIB, max_seconds=SECONDS)
 _TOLERANCE = 1e-6  # bits
-_NOTHING = 1e-9  # bits: what rounding can make of none
 _KEPT = 4  # tables of scenes
 _MOST = 3_000_000  # placements of several things that a plan looks over
 _MANY, _EXACT = 100, 5.0  # cells, seconds: beyond, an average where chance has a part is estimated
@@ -52,7 +53,7 @@ def landscape(scene: Scene) -> Answer:
     Only what h actions from there can touch is tabulated: on a small map as quick as looking up
     in a table of all placements, on a large one hundreds of times quicker.
     """
-    places = scene.agent_places()
+    places = agent_cells(scene.world)
     bits = np.empty(0) if not places else _bits(scene, [_at(scene, place) for place in places])
     return {"bits": bits.tolist()}
 
@@ -72,24 +73,18 @@ def sampled(scene: Scene, tool: str, first: int, end: int) -> Answer:
 def average(scene: Scene, tool: str) -> Answer:
     """What a tool, or none, is worth on average; `None` where that takes too long to be exact."""
     of_tool = scene.with_tool(tool)
-    if of_tool.chance and len(of_tool.agent_places()) > _MANY:
+    if of_tool.chance and len(agent_cells(of_tool.world)) > _MANY:
         return {"bits": None}
     mdp = tabulate(of_tool.world, scene.slip)
     states = np.flatnonzero(compared_states(mdp))
-    seconds = _EXACT if of_tool.chance else SECONDS
+    options = _OPTIONS.copy()
+    if of_tool.chance:
+        options["max_seconds"] = _EXACT
     try:
-        bits = empowerment(
-            mdp,
-            scene.horizon,
-            "object",
-            states=states,
-            threads=1,
-            max_gib=GIB,
-            max_seconds=seconds,
-        )
+        bits = empowerment(mdp, scene.horizon, "object", states=states, **options)
     except TooMuchError:
         return {"bits": None}
-    return {"bits": float(bits.mean()), "some": bool(bits.max() > _NOTHING)}
+    return {"bits": float(bits.mean()), "some": bool(bits.max() > NOTHING)}
 
 
 def choices(scene: Scene, agent: list[int]) -> Answer:
@@ -150,9 +145,8 @@ def step(scene: Scene, at: Placement, action: int | None) -> Answer:
             raise ValueError(f"action is {action}; use indices from 0 to {mdp.action_count - 1}")
         if random.random() < scene.slip:
             action = random.randrange(mdp.action_count)
-        before, state = state, _led(mdp, state, action)
-        ended = bool(mdp.terminal[state])
-        reward = 0.0 if mdp.terminal[before] or ended else -1.0
+        state = _led(mdp, state, action)
+        ended, reward = bool(mdp.terminal[state]), float(rewards(mdp.terminal, np.array(state)))
     now = placed(world, mdp, state)
     return {
         "placement": now,
@@ -176,9 +170,7 @@ def _within_reach(world: World, at: Placement) -> tuple[TabularMDP, int]:
     """All that can be reached from a placement, and its state."""
     try:
         mdp, states = reachable(world, at, None, _MOST)
-    except ValueError as error:
-        if "more than" not in str(error):
-            raise
+    except TooManyPlacementsError:
         raise ValueError(
             f"more than {_MOST:,} placements can be reached; take things away, or make the map "
             "smaller"
@@ -240,7 +232,7 @@ def _everywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
     Raises:
         TooMuchError: it takes longer than anybody waits.
     """
-    problem, states = _uncertain(scene, [_at(scene, place) for place in scene.agent_places()])
+    problem, states = _uncertain(scene, [_at(scene, place) for place in agent_cells(scene.world)])
     check_effort(problem, states, 1, _LIMITS)
     return problem, states
 

@@ -42,6 +42,27 @@ def elsewhere(
         agent = world.agent
         if agent in taken:
             agent = next((cell for cell in free_cells(world) if cell not in taken), agent)
+    return put(world, agent, tools, objects)
+
+
+def put(
+    world: World,
+    agent: Cell,
+    tools: Sequence[Cell],
+    objects: Sequence[Cell],
+    held: int | None = None,
+) -> World:
+    """The same map with everything in these cells.
+
+    Args:
+        world: the map.
+        agent: its cell.
+        tools, objects: their cells, in the order of `world.tools` and `world.objects`.
+        held: which tool is in hand; `None` for the first beside the agent.
+
+    Raises:
+        ValueError: a cell that is not free.
+    """
     first = len(world.tools) - len(world.more_tools)
     return replace(
         world,
@@ -54,8 +75,14 @@ def elsewhere(
         more_objects=tuple(
             replace(one, cell=at) for one, at in zip(world.more_objects, objects[1:], strict=True)
         ),
-        held=None,
+        held=held,
     )
+
+
+def agent_cells(world: World) -> list[Cell]:
+    """The cells in which the agent can be, all else where the map has it, row by row."""
+    taken = {thing.cell for thing in (*world.tools, *world.objects)}
+    return [cell for cell in free_cells(world) if cell not in taken]
 
 
 def free_cells(world: World) -> list[Cell]:

@@ -1,6 +1,7 @@
 """From a map's text to the things of a world."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -50,21 +51,24 @@ def parsed(text: str, name: str, folder: Path | None) -> dict[str, Any]:
         "width": len(lines[0][1]),
         "walls": frozenset(walls),
         "agent": agent,
-        "object": objects[0].cell,
-        "goal": objects[0].goal,
-        "object_kind": objects[0].kind,
-        "more_objects": objects[1:],
         "drop": head.drop,
-    } | (
-        {
-            "tool": tools[0].kind,
-            "tool_cell": tools[0].cell,
-            "tool_slip": tools[0].slip,
-            "more_tools": tools[1:],
-        }
-        if tools
-        else {}
-    )
+    } | fields_of(tools, objects)
+
+
+def fields_of(tools: Sequence[PlacedTool], objects: Sequence[PlacedObject]) -> dict[str, Any]:
+    """The fields of a world in which these things are, in this order."""
+    first, *others = objects
+    found: dict[str, Any] = {
+        "object": first.cell,
+        "goal": first.goal,
+        "object_kind": first.kind,
+        "more_objects": tuple(others),
+    }
+    if tools:
+        tool, *further = tools
+        found |= {"tool": tool.kind, "tool_cell": tool.cell, "tool_slip": tool.slip}
+        found["more_tools"] = tuple(further)
+    return found
 
 
 def numbered(kinds: list[str]) -> list[str]:

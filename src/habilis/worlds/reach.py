@@ -15,6 +15,12 @@ from habilis.worlds.rules import Grid, Kinds, successor, taken_up
 from habilis.worlds.world import World
 
 MAX_STATES = 50_000_000
+
+
+class TooManyPlacementsError(ValueError):
+    """More placements can be reached than are accepted."""
+
+
 _BLOCK = 1 << 13  # placements moved at once: the arrays of one block stay in the cache
 
 
@@ -126,13 +132,13 @@ def _after(
     )
 
 
-def _too_many(world: World, horizon: int | None, max_states: int) -> ValueError:
+def _too_many(world: World, horizon: int | None, max_states: int) -> TooManyPlacementsError:
     if horizon is None:
-        return ValueError(
+        return TooManyPlacementsError(
             f"{world.name}: more than {max_states:,} placements can be reached; take things away, "
             "make the map smaller, or raise max_states if there is memory for it"
         )
-    return ValueError(
+    return TooManyPlacementsError(
         f"{world.name}: {horizon} actions reach more than {max_states:,} placements; "
         "ask for a lower horizon, or raise max_states if there is memory for it"
     )

@@ -8,6 +8,7 @@ from jaxtyping import Int32
 
 from habilis.mdp import HELD, TabularMDP
 from habilis.worlds.described import actions_of, describe, rewards
+from habilis.worlds.moving import put
 from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
 from habilis.worlds.reach import MAX_STATES, reachable
 from habilis.worlds.rules import Grid, Kinds, Places, successor
@@ -154,20 +155,11 @@ def placement(world: World, mdp: TabularMDP, state: int) -> World:
         row, column = divmod(int(mdp.factor(factor)[state]), world.width)
         return row, column
 
-    tools = [cell(name) for name in tool_factors(world)] or [world.tool_cell]
-    objects = [cell(name) for name in object_factors(world)]
-    return replace(
+    return put(
         world,
         agent=cell("agent"),
-        object=objects[0],
-        tool_cell=tools[0],
-        more_tools=tuple(
-            replace(tool, cell=at) for tool, at in zip(world.more_tools, tools[1:], strict=True)
-        ),
-        more_objects=tuple(
-            replace(thing, cell=at)
-            for thing, at in zip(world.more_objects, objects[1:], strict=True)
-        ),
+        tools=[cell(name) for name in tool_factors(world)],
+        objects=[cell(name) for name in object_factors(world)],
         held=int(mdp.factor(HELD)[state]) if HELD in mdp.factors else None,
     )
 

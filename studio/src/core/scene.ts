@@ -57,6 +57,13 @@ export function objectOf({ world, sensor, thing }: Scene): string {
   return namesOf(world.objects)[sensor === "tool" ? 0 : thing] ?? namesOf(world.objects)[0]!;
 }
 
+/** The scene with a question that its world can answer. */
+export function fitted(scene: Scene): Scene {
+  const among = scene.sensor === "tool" ? toolsOf(scene) : scene.world.objects;
+  const sensor = scene.sensor === "tool" && !among.length ? "object" : scene.sensor;
+  return { ...scene, sensor, thing: sensor === scene.sensor && scene.thing < among.length ? scene.thing : 0 };
+}
+
 /** The scene as the server reads it. */
 export function message(scene: Scene): SceneMessage {
   const { world, bare, sensor, thing, cells, horizon, actions, slip } = scene;

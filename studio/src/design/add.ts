@@ -3,8 +3,9 @@
 import type { App } from "../core/app";
 import { h } from "../core/elements";
 import { namesOf, withGoal, withObject, withTool, type World } from "../core/world";
+import { NO_TOOL } from "../core/scene";
+import { nameOf } from "../core/words";
 import { drawingOf, icon } from "../draw/shapes";
-import { nameOfTool } from "./bar";
 
 export function createAdd({ hello, store }: App): HTMLElement {
   const { things } = hello.limits;
@@ -13,10 +14,10 @@ export function createAdd({ hello, store }: App): HTMLElement {
     h("button", { type: "button", role: "menuitem", onclick: put }, icon(drawing, 20), name);
 
   const tools = hello.tools
-    .filter((tool) => tool !== "none")
-    .map((tool) => entry(drawingOf(tool), nameOfTool(tool), () => change(withTool(store.scene().world, tool))));
+    .filter((tool) => tool !== NO_TOOL)
+    .map((tool) => entry(drawingOf(tool), nameOf(tool), () => change(withTool(store.scene().world, tool))));
   const objects = hello.objects.map((kind) =>
-    entry(kind, nameOfTool(kind), () => store.change({ world: withObject(store.scene().world, kind) })),
+    entry(kind, nameOf(kind), () => store.change({ world: withObject(store.scene().world, kind) })),
   );
   const bins = h("div", { class: "menu-part" });
   const drop = h("input", {

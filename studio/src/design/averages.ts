@@ -4,17 +4,17 @@ import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { Measured } from "../core/measuring";
 import type { Verdict } from "../core/protocol";
-import { objectOf, toolOf, toolsOf } from "../core/scene";
+import { NO_TOOL, objectOf, toolOf, toolsOf } from "../core/scene";
+import { nameOf } from "../core/words";
 import { drawingOf, icon } from "../draw/shapes";
-import { nameOfTool } from "./bar";
 
 export function createAverages({ hello, store, measuring }: App): HTMLElement {
   const rows = new Map(
     hello.tools.map((tool) => {
       const bar = h("span", { class: "bar" });
       const bits = h("span", { class: "bits" }, "–");
-      const picture = tool === "none" ? h("span", { class: "no-icon" }) : icon(drawingOf(tool), 22);
-      const name = h("span", { class: "name" }, nameOfTool(tool));
+      const picture = tool === NO_TOOL ? h("span", { class: "no-icon" }) : icon(drawingOf(tool), 22);
+      const name = h("span", { class: "name" }, nameOf(tool));
       const track = h("span", { class: "track" }, bar);
       const row = h("li", { "data-tool": tool }, picture, name, track, bits);
       return [tool, { row, bar, bits }] as const;
@@ -42,7 +42,7 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
     waiting.textContent = `Bits at the ${object}, over ${estimated ? "some of " : ""}all its places${tool === null ? ", each tool alone" : ""}.`;
     const said = error ? [] : why !== null ? [why] : tool === null ? [] : sentence(tool, object, averages, verdicts[tool]);
     verdict.replaceChildren(...said);
-    const of = why !== null || error !== null || tool === null || tool === "none" ? [] : [tool, "none"];
+    const of = why !== null || error !== null || tool === null || tool === NO_TOOL ? [] : [tool, NO_TOOL];
     verdict.dataset.fresh = String(of.every((name) => compared.includes(name)));
     verdict.dataset.kind = kindOf(why === null && tool !== null ? verdicts[tool] : undefined);
   }
@@ -77,9 +77,9 @@ function sentence(
   averages: Record<string, number | null>,
   verdict: Verdict | undefined,
 ): (Node | string)[] {
-  const name = nameOfTool(tool).toLowerCase();
-  const [own, bare] = [averages[tool], averages["none"]];
-  if (tool === "none") return ["Choose a tool to see whether it would help."];
+  const name = nameOf(tool).toLowerCase();
+  const [own, bare] = [averages[tool], averages[NO_TOOL]];
+  if (tool === NO_TOOL) return ["Choose a tool to see whether it would help."];
   if (!verdict || own == null || bare == null) return [];
   if (!verdict.useful) {
     return [h("strong", {}, `The ${name} is useless here`), `: with it, nothing can be done to the ${object}.`];

@@ -2,12 +2,12 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
-import { NO_TOOL, toolOf } from "../core/scene";
+import { fitted, NO_TOOL, toolOf } from "../core/scene";
+import { nameOf } from "../core/words";
 import { drawnOf, resized, withTool, worldOf } from "../core/world";
 import { drawingOf, icon } from "../draw/shapes";
 import { iconButton, segmented, select } from "../frame/widgets";
 import { createAdd } from "./add";
-import { fitted } from "./editor";
 import { openMapText } from "./map-text";
 
 const OWN = "your own";
@@ -43,7 +43,7 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
         tool,
         tool === NO_TOOL
           ? ["None"]
-          : [icon(drawingOf(tool), 20), h("span", { class: "segment-name" }, nameOfTool(tool))],
+          : [icon(drawingOf(tool), 20), h("span", { class: "segment-name" }, nameOf(tool))],
       ]),
     ),
     (tool) => {
@@ -58,7 +58,7 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
   );
   tools.element.classList.add("tools");
   const inUse = segmented("Tools", { all: ["All tools"], none: ["No tool"] }, (chosen) =>
-    store.change(fitted({ ...store.scene(), bare: chosen === "none" })),
+    store.change(fitted({ ...store.scene(), bare: chosen === NO_TOOL })),
   );
 
   const [least, most] = hello.limits.side;
@@ -89,7 +89,7 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
     tools.element.hidden = world.tools.length > 1;
     inUse.element.hidden = !tools.element.hidden;
     tools.show(toolOf(scene) ?? "");
-    inUse.show(bare ? "none" : "all");
+    inUse.show(bare ? NO_TOOL : "all");
     rows.value = String(world.height);
     columns.value = String(world.width);
   });
@@ -109,11 +109,4 @@ export function createBars(app: App): { above: HTMLElement; below: HTMLElement }
       h("div", { class: "size" }, rows, h("span", {}, "×"), columns),
     ),
   };
-}
-
-/** A tool of one's own goes by its file and class; the class says enough. */
-export function nameOfTool(tool: string): string {
-  const name = tool.split(":").at(-1)!;
-  if (name === "none") return "No tool";
-  return name[0]!.toUpperCase() + name.slice(1) + (tool.includes(":") ? " (yours)" : "");
 }

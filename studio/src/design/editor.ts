@@ -2,7 +2,7 @@
 
 import type { App } from "../core/app";
 import type { Cell } from "../core/protocol";
-import { indexOf, startOf, toolsOf, type Scene } from "../core/scene";
+import { fitted, indexOf, startOf, toolsOf, type Scene } from "../core/scene";
 import {
   cellOfThing, moved, namesOf, thingAt, toolsAside, without, withWall, type Standing, type World,
 } from "../core/world";
@@ -137,13 +137,6 @@ function contentOf(scene: Scene, cell: number): string {
   const several = world.objects.length > 1;
   if (there.what === "goal") return several ? `bin of the ${name}` : "bin";
   return there.what === "tool" && world.tools.length === 1 ? "tool" : name;
-}
-
-/** The scene with a question that its world can answer. */
-export function fitted(scene: Scene): Scene {
-  const among = scene.sensor === "tool" ? toolsOf(scene) : scene.world.objects;
-  const sensor = scene.sensor === "tool" && !among.length ? "object" : scene.sensor;
-  return { ...scene, sensor, thing: sensor === scene.sensor && scene.thing < among.length ? scene.thing : 0 };
 }
 
 /** The cells of a line, so that a fast drag leaves no gaps. */

@@ -3,7 +3,7 @@
 import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { ReadAnswer } from "../core/protocol";
-import { NO_TOOL } from "../core/scene";
+import { fitted, NO_TOOL } from "../core/scene";
 import { drawnOf, worldOf } from "../core/world";
 import { openDialog } from "../frame/dialog";
 import { button, notice } from "../frame/widgets";
@@ -33,9 +33,8 @@ export function openMapText({ connection, store }: App): void {
     fault.textContent = "";
     read({ map: area.value }, ({ drawn }) => {
       const taken = worldOf(drawn);
-      const bare = !taken.tools.length;
-      const sensor = bare && store.scene().sensor === "tool" ? "object" : store.scene().sensor;
-      store.change({ world: taken, bare, cells: [], sensor, thing: 0 });
+      const scene = { ...store.scene(), world: taken, bare: !taken.tools.length };
+      store.change(fitted({ ...scene, cells: [], thing: 0 }));
       close();
     });
   }

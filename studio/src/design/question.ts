@@ -4,8 +4,9 @@ import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { ActionSet, Sensor } from "../core/protocol";
 import { ACTION_SETS, SENSORS, toolsOf, type Scene } from "../core/scene";
+import { capital } from "../core/words";
 import { namesOf, type Thing, type Tool } from "../core/world";
-import { field, segmented, select, slider } from "../frame/widgets";
+import { field, offer, segmented, select, slider } from "../frame/widgets";
 
 export function createQuestion({ hello, store }: App): HTMLElement {
   const { limits } = hello;
@@ -14,7 +15,6 @@ export function createQuestion({ hello, store }: App): HTMLElement {
     store.change({ sensor, thing: Number(thing ?? 0) });
   });
   sensor.id = "sensor";
-  let offered = "";
   const horizon = slider(
     "Steps ahead",
     { id: "horizon", least: 0, most: limits.horizon, step: 1 },
@@ -33,13 +33,7 @@ export function createQuestion({ hello, store }: App): HTMLElement {
     (slip) => store.change({ slip }, "slip"),
   );
   store.watch((scene) => {
-    const offers = choices(scene);
-    if (offered !== JSON.stringify(offers)) {
-      offered = JSON.stringify(offers);
-      sensor.replaceChildren(
-        ...Object.entries(offers).map(([value, text]) => h("option", { value }, text)),
-      );
-    }
+    offer(sensor, choices(scene));
     const several = (scene.sensor === "object" || scene.sensor === "tool") && scene.thing > 0;
     sensor.value = several ? `${scene.sensor} ${scene.thing}` : scene.sensor;
     horizon.show(scene.horizon);
@@ -75,8 +69,4 @@ function choices(scene: Scene): Record<string, string> {
     ["agent", SENSORS.agent],
     ["cells", SENSORS.cells],
   ]);
-}
-
-function capital(word: string): string {
-  return word[0]!.toUpperCase() + word.slice(1);
 }

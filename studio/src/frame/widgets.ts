@@ -56,13 +56,20 @@ export function select<Name extends string>(
   options: Record<Name, string>,
   onChoice: (chosen: Name) => void,
 ): HTMLSelectElement {
-  const element = h(
-    "select",
-    { "aria-label": label },
-    ...Object.entries(options).map(([value, text]) => h("option", { value }, String(text))),
-  );
+  const element = h("select", { "aria-label": label });
+  offer(element, options);
   element.addEventListener("change", () => onChoice(element.value as Name));
   return element;
+}
+
+/** Lets one choose among these, where they are others than before. */
+export function offer(element: HTMLSelectElement, options: Record<string, string>): void {
+  const offered = JSON.stringify(options);
+  if (element.dataset.offered === offered) return;
+  element.dataset.offered = offered;
+  element.replaceChildren(
+    ...Object.entries(options).map(([value, text]) => h("option", { value }, text)),
+  );
 }
 
 export interface Slider {

@@ -29,6 +29,7 @@ export function createRun({ hello, connection, acted }: App): View {
   let which = 0;
   let elsewhere: Placement | null = null; // where it is to begin, if not where the map has it
   let answer: RunAnswer | null = null;
+  let map: World; // there is one as soon as there is a run
   let shown: keyof typeof SHOWN = "both";
   let step = 0;
   let moved: Placement | null = null; // while things are dragged
@@ -71,21 +72,21 @@ export function createRun({ hello, connection, acted }: App): View {
         return;
       }
       [answer, step, moved] = [next, 0, null];
+      if (next.drawn) map = worldOf(next.drawn);
       steps.input.max = String(Math.max(1, last()));
       draw();
       if (active) go();
     });
   }
 
-  const world = (): World => worldOf(answer?.drawn ?? acted.current()!.drawn);
   /** Where things are now, dragged or not. */
   function here(): Placement | null {
     const words = answer?.episode?.placements[step];
-    return moved ?? (words ? placementOf(world(), world().tools, words) : null);
+    return moved ?? (words ? placementOf(map, map.tools, words) : null);
   }
   /** In the server's words; what was dragged is in nobody's hand by history. */
   function said({ agent, tools, objects }: Placement) {
-    return inWords(world(), world().tools, { agent, tools, objects });
+    return inWords(map, map.tools, { agent, tools, objects });
   }
 
   const last = () => (answer?.episode?.placements.length ?? 1) - 1;
@@ -113,14 +114,13 @@ export function createRun({ hello, connection, acted }: App): View {
     if (timer) rename(play, "Pause", "pause");
     else rename(play, "Play", "play");
     if (about === null || !answer?.episode) return;
-    const there = world();
     back.hidden = elsewhere === null;
     const values = answer.values?.flat().filter((value) => value !== null) ?? [];
     const [least, most] = [Math.min(...values), Math.max(...values)];
     const withValues = shown !== "policy" && values.length > 0;
     board.draw({
-      world: there,
-      things: stood(there, there.tools, here()!),
+      world: map,
+      things: stood(map, map.tools, here()!),
       values: withValues
         ? { grid: answer.values!, scale: scaleOf(least, most), unlabelled: shown === "both" }
         : null,
@@ -170,7 +170,6 @@ export function createRun({ hello, connection, acted }: App): View {
 
   /** Whether a thing may be put down there. */
   function free({ what, of }: Standing, cell: Cell, among: Placement): boolean {
-    const map = world();
     const taken = [among.agent, ...among.tools, ...among.objects].some((other) => same(other, cell));
     const goal = what === "object" ? map.objects[of]!.goal : null;
     const done = goal !== null && same(cell, cellOf(map, goal));
@@ -181,7 +180,7 @@ export function createRun({ hello, connection, acted }: App): View {
     board,
     () => {
       const now = here();
-      return now && active ? stood(world(), world().tools, now) : [];
+      return now && active ? stood(map, map.tools, now) : [];
     },
     (thing, cell) => {
       if (timer) stop();
@@ -235,6 +234,7 @@ export function createRun({ hello, connection, acted }: App): View {
     full.hidden = about === null;
     if (about === null) return;
     [answer, moved, elsewhere, which] = [null, null, null, 0];
+    map = worldOf(about.drawn);
     title.textContent = title.title = about.name;
     const runs = Object.fromEntries(
       Array.from({ length: about.runs }, (_, k) => [String(k), `run ${k + 1} of ${about.runs}`]),

@@ -5,7 +5,7 @@ import { h } from "../core/elements";
 import type { Offered, Settings } from "../core/protocol";
 import { toolOf, toolsOf, type Scene } from "../core/scene";
 import { namesOf, several } from "../core/world";
-import { field, numberField, select } from "../frame/widgets";
+import { field, numberField, offer, select } from "../frame/widgets";
 
 const NONE = "none"; // no intrinsic reward
 
@@ -15,15 +15,10 @@ export function createForm({ hello, store }: App): { element: HTMLElement; setti
   const intrinsic = select("Intrinsic reward", intrinsics(hello.training, store.scene()), show);
   intrinsic.id = "intrinsic";
   intrinsic.value = first.intrinsic;
-  let shown = "";
   store.watch((scene) => {
     const choices = intrinsics(hello.training, scene);
-    if (shown === JSON.stringify(choices)) return;
-    shown = JSON.stringify(choices);
     const chosen = intrinsic.value;
-    intrinsic.replaceChildren(
-      ...Object.entries(choices).map(([value, text]) => h("option", { value }, text)),
-    );
+    offer(intrinsic, choices);
     intrinsic.value = chosen in choices ? chosen : Object.keys(choices)[1]!;
   });
   const algorithm = select("Algorithm", offered.algorithms, () => undefined);

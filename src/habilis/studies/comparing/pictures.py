@@ -1,6 +1,7 @@
 """Pictures of every run, and of the intervals over them."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -58,9 +59,7 @@ def shares_panel(ax: Axes, table: pl.DataFrame, runs: pl.DataFrame, measure: Mea
     for place, row in enumerate(table.iter_rows(named=True)):
         x = runs.filter(agent=row["agent"])[measure.column].to_numpy()
         ax.scatter(x, _spread(place, len(x)), s=7, c=_RUN, linewidths=0)
-        middle, low, high = (row[measure.column + end] for end in ("", "_low", "_high"))
-        ax.plot([low, high], [place, place], color=_MIDDLE, linewidth=3, alpha=0.45)
-        ax.plot(middle, place, "o", color=_MIDDLE, markersize=6)
+        _interval(ax, place, *_middle(row, measure))
     ax.set(xlim=(-0.02, 1.02))
     ax.tick_params(axis="x", labelsize=8)
     _bare(ax)
@@ -69,6 +68,17 @@ def shares_panel(ax: Axes, table: pl.DataFrame, runs: pl.DataFrame, measure: Mea
 def _spread(place: int, count: int) -> Float[np.ndarray, "count"]:
     """Heights of an agent's runs around its own."""
     return place + 0.26 * np.linspace(-1, 1, count)
+
+
+def _middle(row: dict[str, Any], measure: Measure) -> tuple[Any, Any, Any]:
+    """The middle of an agent's runs and the ends of its interval; null where there is none."""
+    middle, low, high = (row[measure.column + end] for end in ("", "_low", "_high"))
+    return middle, low, high
+
+
+def _interval(ax: Axes, place: int, middle: float, low: float, high: float) -> None:
+    ax.plot([low, high], [place, place], color=_MIDDLE, linewidth=3, alpha=0.45)
+    ax.plot(middle, place, "o", color=_MIDDLE, markersize=6)
 
 
 def _bare(ax: Axes) -> None:
@@ -91,13 +101,12 @@ def _panel(
         x = values.cast(pl.Float64).fill_null(never).to_numpy()
         colours = np.where(x < never, _RUN, _NEVER).tolist()
         ax.scatter(x, _spread(place, len(x)), s=7, c=colours, linewidths=0)
-        middle, low, high = (row[measure.column + end] for end in ("", "_low", "_high"))
+        middle, low, high = _middle(row, measure)
         if middle is not None:
             end = 0.7 * never if high is None else high
-            ax.plot([low, end], [place, place], color=_MIDDLE, linewidth=3, alpha=0.45)
+            _interval(ax, place, middle, low, end)
             if high is None:
                 ax.plot(end, place, ">", color=_MIDDLE, markersize=5, alpha=0.6)
-            ax.plot(middle, place, "o", color=_MIDDLE, markersize=6)
     ax.axvline(never / 1.3, color="#c9ced6", linewidth=0.8, linestyle=":")
 
 

@@ -1,0 +1,13 @@
+/** What things are called on the page. */
+
+import { NO_TOOL } from "./scene";
+
+export function capital(word: string): string {
+  return word[0]!.toUpperCase() + word.slice(1);
+}
+
+/** The kind of a thing; a tool of one's own goes by its file and class, and the class says enough. */
+export function nameOf(kind: string): string {
+  if (kind === NO_TOOL) return "No tool";
+  return capital(kind.split(":").at(-1)!) + (kind.includes(":") ? " (yours)" : "");
+}
