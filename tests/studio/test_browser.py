@@ -24,11 +24,13 @@ from studio_page import (
     WORLD,
     drag,
     keep_picture,
+    map_text,
     middle,
     served,
     settled,
     shown_averages,
     shown_bits,
+    take_in,
     true_bits,
 )
 from studio_picture import take
@@ -116,13 +118,12 @@ def test_agent_tool_can_and_bin_are_dragged(page: Page):
     drag(page, WORLD, YARD.agent, (0, 0))
     moved = replace(YARD, object=(5, 4), goal=(0, 9), tool_cell=(6, 4), agent=(0, 0))
     assert shown_bits(page) == true_bits(moved, 3)
-    page.get_by_label("Map text: import and export").click()
-    assert page.locator("#text").input_value() == "\n".join(moved.rows)
+    assert map_text(page) == "\n".join(moved.rows)
 
 
 def test_a_thing_is_not_dragged_onto_another_or_into_a_wall(page: Page):
     drag(page, WORLD, YARD.agent, (1, 0))
-    assert page.locator("#undo").is_disabled()
+    expect(page.locator("#undo")).to_be_disabled()
     drag(page, WORLD, YARD.object, (9, 3), (9, 4), YARD.goal)
     assert shown_bits(page) == true_bits(replace(YARD, object=(9, 4)), 3)
 
@@ -145,7 +146,7 @@ def test_tool_horizon_sensor_actions_and_slip_are_those_that_are_measured(page: 
 def test_without_a_tool_there_are_only_moves(page: Page):
     page.get_by_role("radio", name="None").check(force=True)
     assert shown_bits(page) == true_bits(load_world("yard", tool="none"), 3)
-    assert page.get_by_role("radio", name="Moves").is_disabled()
+    expect(page.get_by_role("radio", name="Moves")).to_be_disabled()
     # The tool's place is plain floor: a wall can be drawn there, and a tool still be taken up.
     assert YARD.tool_cell is not None
     drag(page, WORLD, YARD.tool_cell, YARD.tool_cell)
@@ -196,8 +197,8 @@ def test_a_link_opens_exactly_what_is_shown(page: Page, browser: Browser):
     other = browser.new_page(viewport=SIZE)
     other.goto(page.url)
     assert shown_bits(other) == shown
-    assert other.get_by_role("radio", name="Broom").is_checked()
-    assert other.locator("#horizon").input_value() == "2"
+    expect(other.get_by_role("radio", name="Broom")).to_be_checked()
+    expect(other.locator("#horizon")).to_have_value("2")
     other.close()
 
 
@@ -221,7 +222,7 @@ def test_a_link_that_asks_for_what_is_not_there_is_taken_as_far_as_it_goes(
     page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=none&s=tool&x=tool&h=99&v=nowhere")
     bare = World.parse("A.CG\n....\n....\n....")
     assert shown_bits(page) == true_bits(bare, 10)
-    assert page.locator("#sensor").input_value() == "object"
+    expect(page.locator("#sensor")).to_have_value("object")
     expect(page.locator("#fault")).to_be_empty()
     page.close()
 
@@ -275,9 +276,7 @@ def test_averages_of_the_scene_before_fade_until_those_of_this_one_are_there(pag
     shown_averages(page)
     for shown in (bits, verdict):
         expect(shown).to_have_css("opacity", "1")
-    page.locator("#map-text").click()
-    page.locator("#text").fill("AP.CG" + "." * 25 + ("\n" + "." * 30) * 29)
-    page.locator("#use-map").click()
+    take_in(page, "AP.CG" + "." * 25 + ("\n" + "." * 30) * 29)
     settled(page)
     for shown in (bits, verdict):
         expect(shown).to_have_css("opacity", "0.4")
@@ -289,13 +288,10 @@ def test_averages_of_the_scene_before_fade_until_those_of_this_one_are_there(pag
 def test_built_in_worlds_and_map_text(page: Page):
     page.locator("#worlds").select_option("corridor")
     assert shown_bits(page) == true_bits(load_world("corridor"), 3)
-    page.locator("#map-text").click()
     text = "; a comment\n.....\n.AB..\n..C..\n....G"
-    page.locator("#text").fill(f"\ufeff{text}".replace("\n", " \r\n"))  # as some editors leave it
-    page.locator("#use-map").click()
-    expect(page.locator("dialog")).to_have_count(0)
+    take_in(page, f"\ufeff{text}".replace("\n", " \r\n"))  # as some editors leave it
     assert shown_bits(page) == true_bits(World.parse(text), 3)
-    assert page.get_by_role("radio", name="Broom").is_checked()
+    expect(page.get_by_role("radio", name="Broom")).to_be_checked()
 
 
 def test_map_text_that_is_no_map_is_refused_in_the_library_s_words(page: Page):
@@ -315,14 +311,12 @@ def test_the_map_grows_and_shrinks_with_its_things_inside(page: Page):
         page.locator(f"#{side}").fill(value)
         page.keyboard.press("Tab")
     assert len(shown_bits(page)) > 0
-    page.locator("#map-text").click()
-    small = World.parse(page.locator("#text").input_value())
+    small = World.parse(map_text(page))
     assert (small.height, small.width) == (4, 5)
-    page.keyboard.press("Escape")
     assert shown_bits(page) == true_bits(small, 3)
     page.locator("#rows").fill("99")
     page.keyboard.press("Tab")
-    assert page.locator("#rows").input_value() == "30"
+    expect(page.locator("#rows")).to_have_value("30")
 
 
 def test_the_keyboard_alone_draws_moves_and_asks(page: Page):
@@ -428,10 +422,7 @@ def test_show_me_acts_out_a_shortest_plan(page: Page):
 
 
 def test_show_me_says_that_there_is_no_plan(page: Page):
-    page.locator("#map-text").click()
-    page.locator("#text").fill("AC#G\n..##\n....\n....")
-    page.locator("#use-map").click()
-    expect(page.locator("dialog")).to_have_count(0)
+    take_in(page, "AC#G\n..##\n....\n....")
     page.locator("#tab-play").click()
     page.locator("#show-me").click()
     expect(page.locator("#plan")).to_have_text("No plan: the bin is out of reach.")
@@ -505,7 +496,7 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     page.locator("#start").click()
     watch = page.get_by_role("button", name="Watch")
     expect(watch).to_have_count(1)
-    assert page.locator("#curves .line").count() == 1
+    expect(page.locator("#curves .line")).to_have_count(1)
     expect(page.locator(".training")).to_contain_text("of 2 converged")
 
     # To whom standing near the can is worth more than the goal, it does not converge: this one ends
@@ -520,13 +511,13 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     for _ in range(2):
         expect(curve).not_to_have_attribute("d", paths[-1] or "")
         paths.append(curve.get_attribute("d"))
-    assert watch.count() == 1  # the second still trains, and both are drawn
-    assert page.locator("#curves .line").count() == 2
-    assert page.locator("#start").is_disabled()
+    expect(watch).to_have_count(1)  # the second still trains, and both are drawn
+    expect(page.locator("#curves .line")).to_have_count(2)
+    expect(page.locator("#start")).to_be_disabled()
     page.locator("#stop").click()
     expect(watch).to_have_count(2)
     expect(page.locator(".training").first).to_contain_text("stopped after")
-    assert page.locator("#start").is_enabled()
+    expect(page.locator("#start")).to_be_enabled()
     keep_picture(page, "train")
 
     watch.first.click()
@@ -538,8 +529,8 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     expect(page.locator("#action-bars li")).to_have_count(8)
     shares = [int(text.split()[0]) for text in page.locator("#action-bars .bits").all_inner_texts()]
     assert sum(shares) == pytest.approx(100, abs=4)
-    assert page.locator("#run-board .arrows .arrow").count() > 0
-    assert page.locator("#run-curve .line").count() == 1
+    expect(page.locator("#run-board .arrows .arrow").first).to_be_attached()
+    expect(page.locator("#run-curve .line")).to_have_count(1)
     keep_picture(page, "run")
 
 
@@ -568,7 +559,7 @@ def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
     expect(page.locator(".training .fault")).to_contain_text(
         "give both what is added and its weight, or neither"
     )
-    assert page.locator("#start").is_enabled()
+    expect(page.locator("#start")).to_be_enabled()
 
 
 def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path):
@@ -586,7 +577,7 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
             page.get_by_label("Which run").select_option(str(index))
             steps = len(play(run, index).actions)
             expect(told).to_contain_text(f"{steps} step")
-        assert page.locator("#tab-run").get_attribute("aria-selected") == "true"
+        expect(page.locator("#tab-run")).to_have_attribute("aria-selected", "true")
 
         # Dragged elsewhere, the can is where the next episode begins with it.
         page.locator("#step").fill("0")
@@ -615,8 +606,7 @@ def test_a_tool_of_one_s_own_is_drawn_chosen_and_measured(browser: Browser):
         page.get_by_role("radio", name="Rake (yours)").check(force=True)
         assert shown_bits(page) == true_bits(load_world("yard", tool=rake), 3)
         assert shown_averages(page)[rake] == round(compare(YARD, [rake], 3)[rake], 2)
-        page.locator("#map-text").click()
-        assert "R" in page.locator("#text").input_value()
+        assert "R" in map_text(page)
         page.close()
 
 
@@ -675,21 +665,9 @@ def test_several_things_are_put_on_the_map_picked_and_taken_away(page: Page, bro
     assert len(World.parse(map_text(page), "map").objects) == 2
 
 
-def map_text(page: Page) -> str:
-    """What the page says that its map is."""
-    page.locator("#map-text").click()
-    area = page.locator("#text")
-    expect(area).not_to_have_value("")
-    text = area.input_value()
-    page.keyboard.press("Escape")
-    return text
-
-
 def test_a_map_of_several_things_is_taken_in_as_text(page: Page):
     text = "D = crate\nR = rake\nG = goal of C\nA....\n.R.C.\n..D..\nP...G"
-    page.locator("#map-text").click()
-    page.locator("#text").fill(text)
-    page.locator("#use-map").click()
+    take_in(page, text)
     world = World.parse(text, "map")
     assert shown_bits(page) == true_bits(world, 3, "object:can")
     page.locator("#sensor").select_option(label="Rake")

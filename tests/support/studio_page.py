@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 from habilis.empowerment.landscape import landscape
 from habilis.empowerment.sensors import Sensor
@@ -100,6 +100,24 @@ def shown_averages(page: Page) -> dict[str, float]:
         "rows => rows.map((row) => [row.dataset.tool, row.querySelector('.bits').textContent])"
     )
     return {tool: float(bits) for tool, bits in rows}
+
+
+def map_text(page: Page) -> str:
+    """What the page says that its map is."""
+    page.locator("#map-text").click()
+    area = page.locator("#text")
+    expect(area).not_to_have_value("", timeout=STUCK)
+    text = area.input_value()
+    page.keyboard.press("Escape")
+    return text
+
+
+def take_in(page: Page, text: str) -> None:
+    """Gives the page a map as text; the page asks the library before it shows it."""
+    page.locator("#map-text").click()
+    page.locator("#text").fill(text)
+    page.locator("#use-map").click()
+    expect(page.locator("dialog")).to_have_count(0, timeout=STUCK)
 
 
 def keep_picture(page: Page, name: str) -> Path:
