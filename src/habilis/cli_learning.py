@@ -60,9 +60,10 @@ def watch(args: Args) -> int:
     replay = import_from("habilis.learning.replay", "learn")
     ended = folder.is_finished(args.folder)
     run = folder.load_latest(args.folder)
-    episode = replay.play(run, args.run)
+    episode = replay.play(run, args.run, seed=args.seed)
     mdp = replay.table_of(run)
-    shares = replay.success(run, args.run) if run.config.starts else None
+    by_chance = mdp.is_stochastic
+    shares = replay.success(run, args.run) if run.config.starts or by_chance else None
     frames = [placement(run.world, mdp, state) for state in episode.states]
     films = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
     for path, write in films:
@@ -82,13 +83,16 @@ def watch(args: Args) -> int:
     else:
         screen.print(colored_text(frames[-1]))
     print(", ".join(mdp.actions[action] for action in episode.actions))
-    end = "the goal is reached" if episode.finished else "the policy goes round in circles"
+    failed = "the goal is not reached" if by_chance else "the policy goes round in circles"
+    end = "the goal is reached" if episode.finished else failed
     print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
     so_far = "" if ended else ", as the last checkpoint has it: training has not ended"
     print(f"run {args.run} after {trained:,} episodes{so_far}")
     if shares is not None:
         unseen = "" if shares.unseen is None else f", {shares.unseen:.0%} of those held out"
-        print(f"reaches the goal from {shares.seen:.0%} of the starts trained from{unseen}")
+        placements = "of the starts trained from" if run.config.starts else "of all episodes"
+        word = "in" if by_chance else "from"
+        print(f"reaches the goal {word} {shares.seen:.0%} {placements}{unseen}")
     for path, _ in films:
         print(f"film: {path}")
     return 0 if episode.finished else 1

@@ -276,7 +276,7 @@ def test_averages_of_the_scene_before_fade_until_those_of_this_one_are_there(pag
     shown_averages(page)
     for shown in (bits, verdict):
         expect(shown).to_have_css("opacity", "1")
-    take_in(page, "AP.CG" + "." * 25 + ("\n" + "." * 30) * 29)
+    take_in(page, "AP.CG" + "." * 19 + ("\n" + "." * 24) * 23)
     settled(page)
     for shown in (bits, verdict):
         expect(shown).to_have_css("opacity", "0.4")

@@ -163,7 +163,7 @@ def test_what_is_wrong_with_settings_is_said_in_the_trainers_words(there, settin
 
 def test_what_the_trainer_does_not_take_is_refused(there):
     slippery = there.ask("train", scene=scene(SMALL, slip=0.1), settings={})
-    assert "training knows no chance" in slippery["error"]
+    assert "takes tools that fail, not actions" in slippery["error"]
     large = hb.World.parse("\n".join(["AP.CG" + "." * 25] + ["." * 30] * 29))
     assert (
         "placements; train on at most"

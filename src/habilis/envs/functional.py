@@ -17,7 +17,6 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 from habilis.empowerment.bonus import Bonus
 from habilis.empowerment.keeping import kept_empowerment
 from habilis.empowerment.sensors import Sensor
-from habilis.envs.chance import Chance
 from habilis.envs.observations import Labels, Marks, cells, grid, one_hot, ranked
 from habilis.envs.params import Empowerment, Outcomes, Params, State
 from habilis.envs.spaces import classes
@@ -34,6 +33,7 @@ from habilis.envs.steps import (
 from habilis.envs.table import MAX_STEPS, check_episode
 from habilis.envs.world import as_world
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import World

@@ -8,9 +8,9 @@ import gymnasium
 import numpy as np
 from jaxtyping import Shaped
 
-from habilis.envs.chance import Chance
 from habilis.envs.observations import Observation, ranks
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
 
 MAX_STEPS = 500
 """Steps after which an episode is cut off, unless it is told otherwise."""

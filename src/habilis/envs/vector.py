@@ -9,10 +9,10 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from jaxtyping import Bool, Int64, Shaped
 
-from habilis.envs.chance import Chance
 from habilis.envs.observations import Observation, ranks
 from habilis.envs.table import MAX_STEPS, check_episode
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
 
 Stepped = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]
 

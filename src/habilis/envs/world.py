@@ -12,12 +12,12 @@ from gymnasium.vector import AutoresetMode
 from jaxtyping import Shaped, UInt8
 
 from habilis.empowerment.keeping import kept_empowerment
-from habilis.envs.chance import Chance
 from habilis.envs.observations import Observation, Show, frames, observation
 from habilis.envs.screen import Screen
 from habilis.envs.table import MAX_STEPS, TableEnv
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
 from habilis.worlds.characters import AGENT, GOAL, OBJECT
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.tools import Tool

@@ -116,7 +116,7 @@ class QLearning:
 class SoftValueIteration:
     """Soft value iteration on the known table (Ziebart 2010), a policy that is not learned.
 
-    Q(s, a) = r(s, a) + gamma * V(s'),    V(s) = T * log sum over a of exp(Q(s, a) / T)
+    Q(s, a) = E[r + gamma * V(s')],    V(s) = T * log sum over a of exp(Q(s, a) / T)
     """
 
     envs: int = setting(16, _ENVS, static=True)

@@ -6,16 +6,17 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
 
 
 @dataclass(frozen=True, eq=False)
 class Ledger:
-    """What to add up over an episode, for every transition `state * actions + action`.
+    """What to add up over an episode, for every transition, numbered as in `Task`.
 
     Attributes:
-        columns: float64[S*A, 2 + flags]: a step, its extrinsic reward, and the flags of the
+        columns: float64[S*A*K, 2 + flags]: a step, its extrinsic reward, and the flags of the
             state that it leads to.
-        terminated: bool[S*A].
+        terminated: bool[S*A*K].
     """
 
     columns: Float[np.ndarray, "transitions columns"]
@@ -23,8 +24,8 @@ class Ledger:
 
     @classmethod
     def of(cls, mdp: TabularMDP) -> "Ledger":
-        reached = mdp.next_state.reshape(-1)
-        reward = mdp.reward.reshape(-1)
+        chance = Chance.in_any(mdp)
+        reached, reward = chance.next_state.reshape(-1), chance.reward.reshape(-1)
         flags = [flag[reached] for flag in mdp.flags.values()]
         columns = np.stack([np.ones(len(reached)), reward, *flags], axis=1)
         return cls(columns.astype(np.float64), mdp.terminal[reached])

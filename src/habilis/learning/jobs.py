@@ -16,7 +16,7 @@ from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
-from habilis.learning.starts import KEPT, Begins, ground
+from habilis.learning.starts import KEPT, Begins, best_return, ground
 from habilis.learning.task import Task, make_task, roomy
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World, load_world
@@ -34,7 +34,7 @@ class Job:
         config: the configuration.
         world: its world.
         mdp: its table.
-        best_return: of a shortest plan.
+        best_return: of a shortest plan; where tools may fail, what the best policy expects.
         table: float64[S], the intrinsic value of every state, where it is a table.
         numbers: of its runs, from which their random numbers come; 0 up, unless it has only some
             of them. Elsewhere a run is meant by its place among these.
@@ -73,13 +73,14 @@ class Job:
         """
         world = load_world(config.world, config.tool) if world is None else world
         begins = Begins.of(config)
-        mdp, *_, best_return = ground(world, begins)
+        mdp = ground(world, begins).mdp
         intrinsic.check_sensors(mdp, config.intrinsic)
         ledger = _ledger(world, begins)
         numbers = tuple(range(config.runs) if numbers is None else numbers)
-        records = [Record(config, best_return, ledger) for _ in numbers]
+        best = best_return(world, begins, config.episode_limit)
+        records = [Record(config, best, ledger) for _ in numbers]
         table = _values(world, begins, config.intrinsic, config.horizon)
-        return cls(index, config, world, mdp, best_return, table, numbers, records, {})
+        return cls(index, config, world, mdp, best, table, numbers, records, {})
 
     @property
     def begins(self) -> Begins:
@@ -139,7 +140,7 @@ def digest_of_own_tool(world: World) -> str | None:
     if not world.own_tools:
         return None
     mdp = ground(world).mdp
-    return fingerprint(mdp.next_state, *mdp.factors.values(), *mdp.flags.values())[:32]
+    return fingerprint(mdp.transitions, *mdp.factors.values(), *mdp.flags.values())[:32]
 
 
 @lru_cache(KEPT)

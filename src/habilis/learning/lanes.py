@@ -142,7 +142,10 @@ def advance(task: Task, settings: Settings, lanes: Lane, program: Program) -> tu
         draws = jax.random.uniform(stretch, shape)
         several = task.start.ndim > 0
         picks = jax.random.uniform(jax.random.fold_in(stretch, 1), shape) if several else None
-        return jax.lax.scan(partial(_update, task, settings, program), lane, (draws, picks))
+        uncertain = task.outcomes > 1
+        chances = jax.random.uniform(jax.random.fold_in(stretch, 3), shape) if uncertain else None
+        drawn = draws, picks, chances
+        return jax.lax.scan(partial(_update, task, settings, program), lane, drawn)
 
     return jax.vmap(one_lane)(settings, lanes)
 
@@ -157,7 +160,7 @@ def _update(
     task: Task, settings: Settings, program: Program, lane: Lane, drawn: tuple
 ) -> tuple[Lane, Log]:
     """One rollout, and what is learned from it."""
-    draws, picks = drawn
+    draws, picks, chances = drawn
     taken = lane.updates.astype(jnp.float32) * draws.size
 
     def value(states: Int[Array, "*n"]) -> Float[Array, "*n"]:
@@ -168,7 +171,7 @@ def _update(
             settings.numbers,
             task.reward[transition],
             value(task.next_state[transition]),
-            value(transition // task.actions),
+            value(task.state_of(transition)),
             task.terminated(transition),
             taken,
         )
@@ -189,10 +192,11 @@ def _update(
         settings.numbers["episode_limit"],
         draws,
         picks,
+        chances,
     )
     experience = Experience(
         state=passed.state,
-        action=passed.transition % task.actions,
+        action=task.action_of(passed.transition),
         reached=task.next_state[passed.transition],
         reward=worth(passed.transition),
         terminated=task.terminated(passed.transition),

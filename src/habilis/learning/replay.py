@@ -9,9 +9,11 @@ import numpy as np
 from habilis.learning.algorithms import A2C, PPO, SoftValueIteration
 from habilis.learning.lanes import Program
 from habilis.learning.runs import Run
-from habilis.learning.starts import Begins, ground, success_rate
+from habilis.learning.starts import Begins, expected_returns, ground, success_rate
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
+from habilis.worlds.plans import solve
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,8 @@ def table_of(run: Run) -> TabularMDP:
 
 class Success(NamedTuple):
     """The share of placements from which an agent reaches the goal; `None` without any.
+
+    Where tools may fail, the probability that it does, the mean over the placements.
 
     Attributes:
         seen: of those that training began from.
@@ -112,38 +116,65 @@ def learned(run: Run, mdp: TabularMDP, index: int) -> tuple[np.ndarray, np.ndarr
     return np.asarray(policy), np.asarray(values) / algorithm.reward_scale
 
 
-def play(run: Run, index: int = 0, start: int | None = None) -> Episode:
+def best_return_from(run: Run, start: int) -> float | None:
+    """The most that any policy can expect from a state; `None` where the goal is out of reach.
+
+    Args:
+        run: a trained run.
+        start: the state to begin in, of `table_of(run)`.
+
+    Returns:
+        Extrinsic, undiscounted: of a shortest plan where nothing is left to chance.
+    """
+    mdp = table_of(run)
+    if mdp.is_stochastic:
+        limit = run.config.episode_limit
+        best = float(expected_returns(run.world, Begins.of(run.config), limit)[start])
+        return best if best > -limit else None
+    plan = solve(mdp, start)
+    return None if plan is None else plan.best_return
+
+
+def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> Episode:
     """Acts out one run's greedy policy.
 
-    The policy and the world are deterministic, so an episode that comes back to a state will
-    never reach the goal: it ends there.
+    Where policy and world are deterministic, an episode that comes back to a state will never
+    reach the goal: it ends there. Where tools may fail it ends after `episode_limit` actions.
 
     Args:
         run: what `train` returned, or `load_run`.
         index: which of its runs, from 0.
         start: the state to begin in, of `tabulate(run.world)`; by default the map's own.
+        seed: of what chance does, where tools may fail.
 
     Returns:
         The episode.
 
     Raises:
-        ValueError: there is no such run, or no such state.
+        ValueError: there is no such run, no such state, or the seed is negative.
     """
     _check_index(run, index)
+    if seed < 0:
+        raise ValueError(f"seed is {seed}; give one of 0 or more")
     mdp = table_of(run)
     policy = greedy_actions(run, mdp, index)
     start = mdp.start if start is None else start
     if not 0 <= start < mdp.states:
         raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
+    chance, random = Chance.in_any(mdp), np.random.default_rng(seed)
     states, actions, total = [start], [], 0.0
     while True:
         action = int(policy[states[-1]])
-        total += float(mdp.reward[states[-1], action])
-        reached = int(mdp.next_state[states[-1], action])
+        chosen = states[-1] * mdp.action_count + action
+        outcome = chosen, int(chance.drawn(chosen, random.random()))
+        reached = int(chance.next_state[outcome])
+        total += float(chance.reward[outcome])
         actions.append(action)
-        again = reached in states
+        in_vain = (
+            len(actions) >= run.config.episode_limit if mdp.is_stochastic else reached in states
+        )
         states.append(reached)
-        if mdp.terminal[reached] or again:
+        if mdp.terminal[reached] or in_vain:
             finished = bool(mdp.terminal[reached])
             return Episode(tuple(states), tuple(actions), total, finished)
 

@@ -74,16 +74,18 @@ def rollout(
     episode_limit: Float[Array, ""],
     draws: Float[Array, "T E"],
     picks: Float[Array, "T E"] | None = None,
+    chances: Float[Array, "T E"] | None = None,
 ) -> tuple[Place, Passed]:
     """T steps of E environments; ended episodes start anew.
 
-    The draws decide on actions, the picks on where an episode begins, if there are several starts.
+    The draws decide on actions, the picks on where an episode begins, if there are several starts,
+    and the chances on what comes of an action, if there are several outcomes.
     """
 
     def step(place: Place, drawn: tuple) -> tuple[Place, Passed]:
-        draw, pick = drawn
+        draw, pick, chance = drawn
         action, kept = act(place.state, draw)
-        transition = place.state * task.actions + action
+        transition = task.transition(place.state, action, chance)
         reached = task.goes_on[transition]
         steps = place.steps + 1
         truncated = (reached >= 0) & (steps >= episode_limit)
@@ -92,7 +94,7 @@ def rollout(
         return after, Passed(place.state, transition, truncated, kept)
 
     # A few steps a turn of the compiled loop: its turns cost as much as the small operations in it.
-    return jax.lax.scan(step, place, (draws, picks), unroll=min(_TOGETHER, len(draws)))
+    return jax.lax.scan(step, place, (draws, picks, chances), unroll=min(_TOGETHER, len(draws)))
 
 
 def sampled(logits: Float[Array, "E A"], draw: Float[Array, "E"]) -> Int[Array, "E"]:

@@ -34,16 +34,17 @@ def learn(
 ) -> tuple[Learner, Float[Array, ""]]:
     """The values after some backups of all states, and the largest change of the last.
 
-    What was experienced does not matter; the table is known.
+    What was experienced does not matter; the table is known, and with it how likely what is.
     """
     task, numbers = context.task, context.numbers
-    reward = context.worth(jnp.arange(task.states * task.actions))
-    ends = task.goes_on < 0
+    reward = context.worth(jnp.arange(len(task.next_state)))
+    ends, shares = task.goes_on < 0, task.shares()
 
     def backup(values: Float[Array, "S A"], _: None) -> tuple[Array, Array]:
         soft = jax.nn.logsumexp(values / numbers["temperature"], axis=-1) * numbers["temperature"]
         future = jnp.where(ends, 0.0, soft[task.next_state])
-        new = (reward + numbers["discount"] * future).reshape(values.shape)
+        worth = (reward + numbers["discount"] * future).reshape(-1, task.outcomes)
+        new = (shares * worth).sum(axis=1).reshape(values.shape)
         return new, jnp.abs(new - values).max()
 
     values, changes = jax.lax.scan(backup, learner.parameters, length=context.algorithm.sweeps)

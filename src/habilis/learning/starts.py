@@ -7,13 +7,14 @@ from math import perm
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Int32, Int64
+from jaxtyping import Float64, Int32, Int64
 
 from habilis.learning.config import Config
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
 from habilis.worlds.moving import free_cells
 from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
-from habilis.worlds.plans import check_certain, distances, solve
+from habilis.worlds.plans import best_returns, distances, solve
 from habilis.worlds.reach import reachable
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
@@ -44,13 +45,14 @@ class Ground(NamedTuple):
         mdp: the table; its start is where the map has everything.
         seen: int64[n], those that training begins from.
         unseen: int64[m], those held out.
-        best_return: of a shortest plan; the mean over those that training begins from.
+        shortest_return: of a shortest plan, the mean over those that training begins from; where
+            tools may fail, of one in which they do not.
     """
 
     mdp: TabularMDP
     seen: Int64[np.ndarray, "n"]
     unseen: Int64[np.ndarray, "m"]
-    best_return: float
+    shortest_return: float
 
 
 @lru_cache(KEPT)
@@ -67,13 +69,12 @@ def ground(world: World, begins: Begins = THE_MAPS) -> Ground:
     Raises:
         ValueError: the goal is out of reach, from the map or from so many placements.
     """
-    check_certain(world)
     if not begins.starts:
         mdp = tabulate(world)
-        plan = solve(mdp)
-        if plan is None:
+        steps = _least_steps(mdp)
+        if steps is None:
             raise ValueError(f"{world.name}: the goal cannot be reached; open a way to it")
-        return Ground(mdp, np.array([mdp.start]), np.empty(0, np.int64), plan.best_return)
+        return Ground(mdp, np.array([mdp.start]), np.empty(0, np.int64), 1.0 - steps)
     wanted = begins.starts + begins.unseen
     candidates, found = random_placements(world, begins.seed), list[Placement]()
     while len(found) < wanted:
@@ -88,6 +89,47 @@ def ground(world: World, begins: Begins = THE_MAPS) -> Ground:
     mdp, states = reachable(world, [start_of(world), *found], None)
     seen, unseen = states[1 : 1 + begins.starts], states[1 + begins.starts :]
     return Ground(mdp, seen, unseen, float(1 - distances(mdp)[seen].mean()))
+
+
+def _least_steps(mdp: TabularMDP) -> int | None:
+    """From a table's start to a terminal state, with luck where chance has a say."""
+    if mdp.is_stochastic:
+        far = int(distances(mdp)[mdp.start])
+        return far if far > 0 else None
+    plan = solve(mdp)
+    return None if plan is None else plan.steps
+
+
+def best_return(world: World, begins: Begins, limit: int) -> float:
+    """What the best policy expects to get in an episode, the mean over where training begins.
+
+    Args:
+        world, begins: as in `ground`.
+        limit: how many steps an episode has, at most; of a shortest plan, which is what is best
+            where nothing is left to chance, all are counted.
+
+    Returns:
+        Extrinsic and undiscounted.
+
+    Raises:
+        ValueError: as in `ground`.
+    """
+    on = ground(world, begins)
+    if on.mdp.is_stochastic:
+        return float(expected_returns(world, begins, limit)[on.seen].mean())
+    return on.shortest_return
+
+
+@lru_cache(KEPT)
+def expected_returns(world: World, begins: Begins, limit: int) -> Float64[np.ndarray, "S"]:
+    """What the best policy expects from every state, as in `best_returns`.
+
+    Args:
+        world, begins, limit: as in `best_return`.
+    """
+    returns = best_returns(ground(world, begins).mdp, limit)
+    returns.flags.writeable = False
+    return returns
 
 
 def random_placements(world: World, seed: int) -> Iterator[Placement]:
@@ -117,16 +159,21 @@ def success_rate(
     """The share of states from which a policy gets to a terminal one.
 
     Args:
-        mdp: a deterministic table.
+        mdp: a world's table.
         policy: the action in every state.
         states: where it begins.
         limit: of how many actions.
+
+    Returns:
+        Where chance has a say, the mean probability.
     """
-    leads = mdp.next_state[np.arange(mdp.states), policy]
-    now, done = states, np.zeros(len(states), bool)
+    chance = Chance.in_any(mdp)
+    chosen = np.arange(mdp.states) * mdp.action_count + policy
+    leads, shares = chance.next_state[chosen], chance.shares[chosen]
+    there = np.where(mdp.terminal, 1.0, 0.0)
     for _ in range(limit):
-        now = leads[now]
-        done |= mdp.terminal[now]
-        if done.all():
+        before = there
+        there = np.where(mdp.terminal, 1.0, (shares * before[leads]).sum(axis=1))
+        if np.array_equal(there, before):
             break
-    return float(done.mean())
+    return float(there[states].mean())

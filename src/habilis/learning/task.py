@@ -7,19 +7,26 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
 
 ROOM = 1 << 13
 """To a multiple of which `roomy` brings the number of states."""
 
 
 class Task(NamedTuple):
-    """What all lanes share. A transition is numbered `state * actions + action`."""
+    """What all lanes share.
 
-    next_state: Int[Array, "S*A"]
+    An action may have several outcomes, of which chance chooses, where a tool may fail. A
+    transition is numbered `(state * actions + action) * outcomes + outcome`.
+    """
+
+    next_state: Int[Array, "S*A*K"]
     """Where each transition leads."""
-    goes_on: Int[Array, "S*A"]
+    goes_on: Int[Array, "S*A*K"]
     """Where the next step is made from: as above, or -1 where that is terminal."""
-    reward: Float[Array, "S*A"]
+    reward: Float[Array, "S*A*K"]
+    below: Float[Array, "S*A K-1"]
+    """Where in [0, 1) each outcome's share ends and the next begins."""
     inputs: Int[Array, "S factors"]
     """The rows of the network's embedding that stand for a state."""
     start: Int[Array, "*starts"]
@@ -31,7 +38,31 @@ class Task(NamedTuple):
 
     @property
     def actions(self) -> int:
-        return self.next_state.shape[0] // self.states
+        return self.below.shape[0] // self.states
+
+    @property
+    def outcomes(self) -> int:
+        """How many an action has: 1 where nothing is left to chance."""
+        return self.below.shape[1] + 1
+
+    def shares(self) -> Float[Array, "S*A K"]:
+        """The probability of each outcome."""
+        return jnp.diff(self.below, axis=1, prepend=0.0, append=1.0)
+
+    def transition(
+        self, state: Int[Array, "*n"], action: Int[Array, "*n"], draw: Float[Array, "*n"] | None
+    ) -> Int[Array, "*n"]:
+        """What is done, given a uniform number for each; the one outcome needs none."""
+        chosen = state * self.actions + action
+        if draw is None:
+            return chosen
+        return chosen * self.outcomes + (self.below[chosen] <= draw[..., None]).sum(axis=-1)
+
+    def state_of(self, transition: Int[Array, "*n"]) -> Int[Array, "*n"]:
+        return transition // (self.actions * self.outcomes)
+
+    def action_of(self, transition: Int[Array, "*n"]) -> Int[Array, "*n"]:
+        return transition // self.outcomes % self.actions
 
     def begin(self, draw: Float[Array, "*n"] | None) -> Int[Array, "*n"]:
         """Where episodes begin, given a uniform number for each; the one start needs none."""
@@ -57,11 +88,13 @@ def make_task(mdp: TabularMDP, starts: Int[np.ndarray, "starts"] | None = None) 
         values, compact = np.unique(labels, return_inverse=True)
         inputs.append(compact + rows)
         rows += len(values)
-    reached = mdp.next_state.reshape(-1)
+    chance = Chance.in_any(mdp)
+    reached = chance.next_state.reshape(-1)
     task = Task(
         next_state=jnp.asarray(reached),
         goes_on=jnp.asarray(np.where(mdp.terminal[reached], -1, reached), jnp.int32),
-        reward=jnp.asarray(mdp.reward.reshape(-1)),
+        reward=jnp.asarray(chance.reward.reshape(-1), jnp.float32),
+        below=jnp.asarray(chance.below, jnp.float32),
         inputs=jnp.asarray(np.stack(inputs, axis=1), jnp.int32),
         start=jnp.int32(mdp.start) if starts is None else jnp.asarray(starts, jnp.int32),
     )
@@ -75,10 +108,12 @@ def roomy(task: Task) -> Task:
     program; compiling takes longer than many a run.
     """
     more = -task.states % ROOM
-    transitions = ((0, more * task.actions),)
+    chosen = (0, more * task.actions)
+    transitions = (0, more * task.actions * task.outcomes)
     return task._replace(
         next_state=jnp.pad(task.next_state, transitions),
         goes_on=jnp.pad(task.goes_on, transitions),
         reward=jnp.pad(task.reward, transitions),
+        below=jnp.pad(task.below, (chosen, (0, 0))),
         inputs=jnp.pad(task.inputs, ((0, more), (0, 0))),
     )

@@ -7,13 +7,12 @@ import numpy as np
 
 from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_latest
-from habilis.learning.replay import learned, play, table_of
+from habilis.learning.replay import best_return_from, learned, play, table_of
 from habilis.learning.runs import Run
 from habilis.mdp import HELD, LAID
 from habilis.studio import drawn
 from habilis.studio.work import Answer, placed, state_of
 from habilis.worlds.placements import Placement
-from habilis.worlds.plans import solve
 
 _POINTS = 150  # of a curve: more than a page has room for
 _DIGITS = 5
@@ -56,7 +55,6 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
     here = np.ones(mdp.states, bool)
     for name in mdp.factors.keys() - {"agent", HELD, LAID}:
         here &= mdp.factor(name) == mdp.factor(name)[start]
-    best = solve(mdp, start)
     shape = run.world.height, run.world.width
     grids: Any = [[[None] * shape[1] for _ in range(shape[0])] for _ in range(2)]
     for state in np.flatnonzero(here):
@@ -78,7 +76,7 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
             "values": [rounded(values[state]) for state in episode.states],
             "return": episode.episode_return,
             "finished": episode.finished,
-            "best_return": None if best is None else best.best_return,
+            "best_return": best_return_from(run, start),
         },
     } | _curve(run)
 

@@ -124,7 +124,9 @@ def check_trainable(scene: Scene) -> None:
         ValueError: naming it.
     """
     if scene.slip:
-        raise ValueError(f"slip is {scene.slip:g}; training knows no chance: set it to 0")
+        raise ValueError(
+            f"slip is {scene.slip:g}; the trainer takes tools that fail, not actions: set it to 0"
+        )
     free, world = len(Grid.of(scene.world).free), scene.world
     placements = free ** (1 + len(world.objects)) * (1 + 4 * len(world.tools))
     if placements > TRAINING["placements"]:

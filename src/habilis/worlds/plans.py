@@ -3,10 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Float64, Int64
 
 from habilis.mdp import TabularMDP
+from habilis.worlds.chance import Chance
 from habilis.worlds.world import World
+
+_SETTLED = 1e-9  # a change of expected returns that is none
 
 
 @dataclass(frozen=True)
@@ -69,17 +72,20 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
 def distances(mdp: TabularMDP) -> Int64[np.ndarray, "S"]:
     """How many actions the nearest terminal state is away, from every state.
 
+    Where chance has a say, how many they are at least.
+
     Args:
-        mdp: a deterministic table.
+        mdp: a world's table.
 
     Returns:
         int64[S]; 0 for terminal states, -1 where none can be reached.
     """
+    reached = Chance.in_any(mdp).next_state.reshape(mdp.states, -1)
     far = np.where(mdp.terminal, 0, -1)
     left = np.flatnonzero(far < 0)
     step = 0
     while len(left):
-        near = (far[mdp.next_state[left]] == step).any(axis=1)
+        near = (far[reached[left]] == step).any(axis=1)
         if not near.any():
             break
         step += 1
@@ -88,8 +94,33 @@ def distances(mdp: TabularMDP) -> Int64[np.ndarray, "S"]:
     return far
 
 
+def best_returns(mdp: TabularMDP, limit: int) -> Float64[np.ndarray, "S"]:
+    """The return that the best policy expects from every state, whatever chance does.
+
+    V_0 = 0, and V_n(s) is the largest over actions of E[r + V_(n - 1)(s')], without V where s' is
+    terminal.
+
+    Args:
+        mdp: a world's table.
+        limit: how many steps an episode has, at most.
+
+    Returns:
+        float64[S], undiscounted; where nothing is left to chance, those of shortest plans, if they
+        are no longer than the limit.
+    """
+    chance = Chance.in_any(mdp)
+    shares, best = chance.shares, np.zeros(mdp.states)
+    for _ in range(limit):
+        after = chance.reward + np.where(mdp.terminal, 0.0, best)[chance.next_state]
+        better = (shares * after).sum(axis=1).reshape(mdp.states, -1).max(axis=1)
+        if np.abs(better - best).max() < _SETTLED:
+            return better
+        best = better
+    return best
+
+
 def check_certain(world: World) -> World:
-    """The world, if its tools do what they do for sure; a plan, and training, need that.
+    """The world, if its tools do what they do for sure; a plan needs that.
 
     Raises:
         ValueError: one of them may fail; the message names it.
@@ -98,7 +129,7 @@ def check_certain(world: World) -> World:
         if tool.slip:
             raise ValueError(
                 f"{world.name}: the tool {tool.name!r} has slip {tool.slip:g}: with chance there "
-                "is no shortest plan, and agents do not train; leave out its slip"
+                "is no shortest plan; leave out its slip"
             )
     return world
 

@@ -26,8 +26,15 @@ class Chance:
     @classmethod
     def of(cls, mdp: TabularMDP) -> "Chance | None":
         """The outcomes in a world's table, with the rewards of rule 6; `None` without chance."""
+        return None if isinstance(mdp.transitions, np.ndarray) else cls.in_any(mdp)
+
+    @classmethod
+    def in_any(cls, mdp: TabularMDP) -> "Chance":
+        """The same, of tables without chance too: there every transition has one outcome."""
         if isinstance(mdp.transitions, np.ndarray):
-            return None
+            next_state = mdp.transitions.reshape(-1, 1)
+            nothing = np.empty((len(next_state), 0))
+            return cls(next_state, nothing, mdp.reward.reshape(-1, 1).astype(np.float64))
         table = mdp.transitions
         first, counts = table.indptr[:-1], np.diff(table.indptr)
         most = int(counts.max())
@@ -37,6 +44,11 @@ class Chance:
         next_state = table.indices[place].astype(np.int32)
         reward = rewards(mdp.terminal, next_state).astype(np.float64)
         return cls(next_state, np.cumsum(share, axis=1)[:, :-1], reward)
+
+    @property
+    def shares(self) -> Float[np.ndarray, "transitions K"]:
+        """The probability of each outcome."""
+        return np.diff(self.below, axis=1, prepend=0.0, append=1.0)
 
     def drawn(self, transition, draw):
         """Which outcome it is, for uniform numbers from [0, 1)."""
