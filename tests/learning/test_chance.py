@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -12,9 +13,9 @@ from habilis.cli import main
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
+from habilis.learning.ground import THE_MAPS, Conditions, best_return, expected_returns, ground
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.replay import best_return_from, greedy_actions, play, success, table_of
-from habilis.learning.starts import THE_MAPS, Begins, best_return, expected_returns, ground
 from habilis.learning.task import make_task
 from habilis.learning.train import train
 from habilis.worlds.chance import Chance
@@ -40,7 +41,8 @@ def world() -> hb.World:
 
 def expected(mdp: hb.TabularMDP, limit: int) -> np.ndarray:
     """Bellman's equation with dense matrices, one for each action."""
-    moves = np.asarray(mdp.transitions.todense()).reshape(mdp.states, mdp.action_count, -1)
+    assert not isinstance(mdp.transitions, np.ndarray)
+    moves = mdp.transitions.toarray().reshape(mdp.states, mdp.action_count, -1)
     rewards = np.where(mdp.terminal, 0.0, -1.0)
     best = np.zeros(mdp.states)
     for _ in range(limit):
@@ -87,11 +89,11 @@ def test_every_outcome_of_an_action_has_its_share():
 
 def test_a_transition_tells_state_action_and_outcome(world):
     task, _ = make_task(hb.tabulate(world))
-    states, actions = np.divmod(np.arange(task.states * task.actions), task.actions)
+    states, actions = jnp.divmod(jnp.arange(task.states * task.actions), task.actions)
     for draw in (0.0, 0.999):
-        done = np.asarray(task.transition(states, actions, np.full(len(states), draw)))
-        assert (np.asarray(task.state_of(done)) == states).all()
-        assert (np.asarray(task.action_of(done)) == actions).all()
+        done = task.transition(states, actions, jnp.full(len(states), draw))
+        assert (task.state_of(done) == states).all()
+        assert (task.action_of(done) == actions).all()
 
 
 @pytest.mark.parametrize(
@@ -154,9 +156,8 @@ def test_episodes_may_begin_anywhere_as_well():
     rate = success(run)
     assert rate.seen > 0.99
     assert rate.unseen is not None
-    begins = Begins.of(run.config)
-    on = ground(run.world, begins)
-    expects = expected_returns(run.world, begins, 500)
+    conditions = Conditions.of(run.config)
+    on, expects = ground(run.world, conditions), expected_returns(run.world, conditions, 500)
     assert run.best_return == pytest.approx(expects[on.seen].mean())
     assert run.best_return < on.shortest_return
 
@@ -192,3 +193,24 @@ def test_the_command_line_trains_watches_and_says_how_often_it_succeeds(capsys):
     assert "reaches the goal in" in capsys.readouterr().out
     assert main(["watch", "run", "--seed", "-1"]) == 2
     assert capsys.readouterr().err.strip() == "habilis: seed is -1; give one of 0 or more"
+
+
+def test_actions_may_slip_too(capsys):
+    slips = LEARN.changed(world="fails.txt", slip=0.1, algorithm="soft-value-iteration")
+    job = Job.of(0, slips)
+    assert job.task[0].outcomes > 2
+    assert job.best_return < Job.of(0, LEARN).best_return
+    assert (job.mdp.transitions != hb.tabulate(job.world, slip=0.1).transitions).nnz == 0
+    bare = Config(world="line.txt", slip=0.5)
+    Path("line.txt").write_text("A.CG\n")
+    # Of 8 times east is east 5 times and west once: beside the can T = 1 + T / 4 + (1.6 + T) / 8.
+    assert Job.of(0, bare).best_return == pytest.approx(1 - (1.6 + 1.92))
+    command = ["--slip", "0.1", "--algorithm", "soft-value-iteration", "--steps", "300000"]
+    assert main(["train", "fails.txt", *command, "--runs", "1", "--out", "run"]) == 0
+    run = load_run("run")
+    assert run.config.slip == 0.1
+    assert run.converged_at[0] is not None
+    assert table_of(run).is_stochastic
+    capsys.readouterr()
+    assert main(["train", "fails.txt", "--slip", "1.5", "--out", "other"]) == 2
+    assert "slip is 1.5; give a number from 0 to 1" in capsys.readouterr().err

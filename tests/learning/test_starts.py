@@ -14,10 +14,11 @@ from habilis.learning import jobs, task
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
+from habilis.learning.ground import Conditions, ground, success_rate
 from habilis.learning.jobs import Job
 from habilis.learning.replay import greedy_actions, play, success, table_of
 from habilis.learning.runs import Run
-from habilis.learning.starts import Begins, ground, random_placements, success_rate
+from habilis.learning.starts import random_placements
 from habilis.learning.train import train
 from habilis.sweeps.tasks import plain
 from habilis.worlds.plans import distances, solve
@@ -55,7 +56,7 @@ def test_placements_come_to_an_end():
 
 
 def test_those_held_out_are_others_and_all_can_be_solved(room):
-    on = ground(room, Begins(20, 10, 3))
+    on = ground(room, Conditions(20, 10, 3))
     assert (len(on.seen), len(on.unseen)) == (20, 10)
     assert len({*on.seen, *on.unseen}) == 30
     plans = [plan for state in on.seen if (plan := solve(on.mdp, int(state)))]
@@ -78,7 +79,7 @@ def test_distances_are_those_of_shortest_plans(room):
 def test_more_placements_than_can_be_solved_are_refused():
     world = hb.World.parse("A.CG", name="line")
     with pytest.raises(ValueError, match="line: the goal can be reached from 2 placements, not"):
-        ground(world, Begins(2, 1, 0))
+        ground(world, Conditions(2, 1, 0))
 
 
 def test_episodes_begin_in_all_of_the_placements_and_no_others():
@@ -89,7 +90,7 @@ def test_episodes_begin_in_all_of_the_placements_and_no_others():
     for seed in range(20):
         lane = Job.of(0, config.changed(seed=seed)).start(0)
         begun |= set(np.asarray(lane.place.state).tolist())
-    assert begun == set(ground(job.world, job.begins).seen.tolist())
+    assert begun == set(ground(job.world, job.conditions).seen.tolist())
 
 
 def test_later_episodes_begin_in_all_of_them_too():
@@ -99,7 +100,7 @@ def test_later_episodes_begin_in_all_of_them_too():
     last = job.records[0].last
     assert last is not None
     states = last.transitions // job.mdp.action_count
-    seen = ground(job.world, job.begins).seen
+    seen = ground(job.world, job.conditions).seen
     assert np.isin(seen, states).all()
 
 
@@ -126,7 +127,7 @@ def test_what_is_learned_from_many_placements_holds_in_others():
 def test_a_success_rate_is_the_share_of_starts_from_which_the_goal_is_reached():
     run = train(LEARN.changed(runs=1, steps=60_000, starts=6, unseen=4))
     mdp, policy = table_of(run), greedy_actions(run, table_of(run), 0)
-    on = ground(run.world, Begins.of(run.config))
+    on = ground(run.world, Conditions.of(run.config))
 
     def gets_there(state: int) -> bool:
         for _ in range(50):

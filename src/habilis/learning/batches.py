@@ -108,7 +108,7 @@ def _next_batch(waiting: list[Seat]) -> list[Seat]:
     waiting.sort(key=lambda seat: (seat.job.records[seat.run].steps, seat.job.index, seat.run))
 
     def kind(job: Job) -> tuple:
-        return job.world, job.begins, job.program
+        return job.world, job.conditions, job.program
 
     same = [seat for seat in waiting if kind(seat.job) == kind(waiting[0].job)]
     batch = same[:LANES]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from habilis.checks import as_in, at_least, check_types, setting
+from habilis.checks import as_in, at_least, check_types, setting, share
 from habilis.empowerment.bonus import Bonus
 from habilis.learning.algorithms import A2C, ALGORITHMS, Algorithm, name_of
 
@@ -59,6 +59,9 @@ class Config:
         100_000_000, "environment steps after which a run is given up (looked at every 20,000)"
     )
     episode_limit: int = setting(500, "steps after which an episode is cut off (truncated)")
+    slip: float = setting(
+        0.0, "probability that an action drawn uniformly takes the place of the chosen one"
+    )
     starts: int = setting(
         0, "random placements of tools and objects that episodes begin from; 0: the map's own"
     )
@@ -80,6 +83,7 @@ class Config:
                 f"unseen is {self.unseen} and starts_seed {self.starts_seed}, but starts is 0: "
                 "episodes begin where the map has everything; give starts"
             )
+        share(self, "slip")
         _ = self.bonus  # which refuses what is out of its range
         if self.seed >= 2**32:
             raise ValueError(f"seed is {self.seed}; give one below {2**32}")

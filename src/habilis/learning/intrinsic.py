@@ -11,6 +11,7 @@ from jaxtyping import Array, Float, Int, PRNGKeyArray
 from habilis.empowerment import empowerment
 from habilis.empowerment.bonus import regularised
 from habilis.empowerment.combined import combined, terms_of
+from habilis.empowerment.keeping import kept_empowerment
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Numbers
@@ -40,11 +41,13 @@ def kind_of(config: Config) -> str:
 def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
     """M, the empowerment of every state in bits, or 0 where a table is not what is asked for.
 
-    Of several sensors the sum, or the product, of their empowerments, as in `terms_of`.
+    Of several sensors the sum, or the product, of their empowerments, as in `terms_of`. Where
+    chance has a say, which takes far longer, it is kept on disk for the next time.
     """
     if config.intrinsic in (NO_INTRINSIC, *NOVELTIES):
         return np.zeros(mdp.states)
-    return combined(config.intrinsic, lambda name: empowerment(mdp, config.horizon, name))
+    measure = kept_empowerment if mdp.is_stochastic else empowerment
+    return combined(config.intrinsic, lambda name: measure(mdp, config.horizon, name))
 
 
 def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:

@@ -14,9 +14,9 @@ from habilis.learning import intrinsic
 from habilis.learning.algorithms import A2C, PPO
 from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.episodes import Ledger
+from habilis.learning.ground import KEPT, Conditions, best_return, ground
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
-from habilis.learning.starts import KEPT, Begins, best_return, ground
 from habilis.learning.task import Task, make_task, roomy
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World, load_world
@@ -72,26 +72,26 @@ class Job:
             ValueError: a world, tool or sensor does not exist, or the goal is out of reach.
         """
         world = load_world(config.world, config.tool) if world is None else world
-        begins = Begins.of(config)
-        mdp = ground(world, begins).mdp
+        conditions = Conditions.of(config)
+        mdp = ground(world, conditions).mdp
         intrinsic.check_sensors(mdp, config.intrinsic)
-        ledger = _ledger(world, begins)
+        ledger = _ledger(world, conditions)
         numbers = tuple(range(config.runs) if numbers is None else numbers)
-        best = best_return(world, begins, config.episode_limit)
+        best = best_return(world, conditions, config.episode_limit)
         records = [Record(config, best, ledger) for _ in numbers]
-        table = _values(world, begins, config.intrinsic, config.horizon)
+        table = _values(world, conditions, config.intrinsic, config.horizon)
         return cls(index, config, world, mdp, best, table, numbers, records, {})
 
     @property
-    def begins(self) -> Begins:
-        """Where its episodes begin."""
-        return Begins.of(self.config)
+    def conditions(self) -> Conditions:
+        """What its episodes are like besides the map."""
+        return Conditions.of(self.config)
 
     @cached_property
     def task(self) -> tuple[Task, int]:
         # What has a value for each state of its own would learn of those that are not there.
         networks = isinstance(self.config.algorithm, A2C | PPO)
-        return _task(self.world, self.begins, networks and self.begins.starts > 0)
+        return _task(self.world, self.conditions, networks and self.config.starts > 0)
 
     @cached_property
     def program(self) -> Program:
@@ -125,8 +125,8 @@ class Job:
 
 
 @lru_cache(KEPT)
-def _ledger(world: World, begins: Begins) -> Ledger:
-    return Ledger.of(ground(world, begins).mdp)
+def _ledger(world: World, conditions: Conditions) -> Ledger:
+    return Ledger.of(ground(world, conditions).mdp)
 
 
 def digest_of_own_tool(world: World) -> str | None:
@@ -144,18 +144,18 @@ def digest_of_own_tool(world: World) -> str | None:
 
 
 @lru_cache(KEPT)
-def _task(world: World, begins: Begins, with_room: bool) -> tuple[Task, int]:
-    on = ground(world, begins)
-    task, rows = make_task(on.mdp, on.seen if begins.starts else None)
+def _task(world: World, conditions: Conditions, with_room: bool) -> tuple[Task, int]:
+    on = ground(world, conditions)
+    task, rows = make_task(on.mdp, on.seen if conditions.starts else None)
     return roomy(task) if with_room else task, rows
 
 
 @lru_cache(KEPT)
 def _values(
-    world: World, begins: Begins, intrinsic_reward: str, horizon: int
+    world: World, conditions: Conditions, intrinsic_reward: str, horizon: int
 ) -> Float[np.ndarray, "S"]:
     weight = float(intrinsic_reward != NO_INTRINSIC)
     config = Config(intrinsic=intrinsic_reward, horizon=horizon, beta=weight)
-    table = intrinsic.value_table(ground(world, begins).mdp, config)
+    table = intrinsic.value_table(ground(world, conditions).mdp, config)
     table.flags.writeable = False
     return table

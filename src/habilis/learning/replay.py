@@ -7,9 +7,9 @@ import jax
 import numpy as np
 
 from habilis.learning.algorithms import A2C, PPO, SoftValueIteration
+from habilis.learning.ground import Conditions, expected_returns, ground, success_rate
 from habilis.learning.lanes import Program
 from habilis.learning.runs import Run
-from habilis.learning.starts import Begins, expected_returns, ground, success_rate
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 from habilis.worlds.chance import Chance
@@ -35,7 +35,7 @@ class Episode:
 
 def table_of(run: Run) -> TabularMDP:
     """The table that a run learned on."""
-    return ground(run.world, Begins.of(run.config)).mdp
+    return ground(run.world, Conditions.of(run.config)).mdp
 
 
 class Success(NamedTuple):
@@ -66,7 +66,7 @@ def success(run: Run, index: int = 0) -> Success:
         ValueError: there is no such run.
     """
     _check_index(run, index)
-    mdp, seen, unseen, _ = ground(run.world, Begins.of(run.config))
+    mdp, seen, unseen, _ = ground(run.world, Conditions.of(run.config))
     policy = greedy_actions(run, mdp, index)
     limit = run.config.episode_limit
     return Success(
@@ -129,7 +129,7 @@ def best_return_from(run: Run, start: int) -> float | None:
     mdp = table_of(run)
     if mdp.is_stochastic:
         limit = run.config.episode_limit
-        best = float(expected_returns(run.world, Begins.of(run.config), limit)[start])
+        best = float(expected_returns(run.world, Conditions.of(run.config), limit)[start])
         return best if best > -limit else None
     plan = solve(mdp, start)
     return None if plan is None else plan.best_return

@@ -82,13 +82,16 @@ Done = Callable[[Task, Outcomes], None]
 def plain(config: Config) -> dict[str, Any]:
     """All that decides what a run of a configuration does; 0 and 0.0 are the same number.
 
-    Where episodes begin is left out as long as that is where the map has everything.
+    What came later is left out as long as it does nothing: where episodes begin, if that is where
+    the map has everything, and slip, if there is none.
     """
+    idle = set() if config.starts else {"starts", "unseen", "starts_seed"}
+    idle |= set() if config.slip else {"slip"}
     defaults = {f.name: f.default for kind in (Config, *ALGORITHMS.values()) for f in fields(kind)}
     return {
         name: float(value) if isinstance(defaults[name], float) else value
         for name, value in config.as_dict().items()
-        if name != "runs" and (config.starts or name not in ("starts", "unseen", "starts_seed"))
+        if name not in {"runs", *idle}
     }
 
 

@@ -108,15 +108,21 @@ def best_returns(mdp: TabularMDP, limit: int) -> Float64[np.ndarray, "S"]:
         float64[S], undiscounted; where nothing is left to chance, those of shortest plans, if they
         are no longer than the limit.
     """
-    chance = Chance.in_any(mdp)
-    shares, best = chance.shares, np.zeros(mdp.states)
+    best, reward = np.zeros(mdp.states), mdp.reward.astype(np.float64)
     for _ in range(limit):
-        after = chance.reward + np.where(mdp.terminal, 0.0, best)[chance.next_state]
-        better = (shares * after).sum(axis=1).reshape(mdp.states, -1).max(axis=1)
+        after = _expected(mdp, np.where(mdp.terminal, 0.0, best))
+        better = (reward + after).max(axis=1)
         if np.abs(better - best).max() < _SETTLED:
             return better
         best = better
     return best
+
+
+def _expected(mdp: TabularMDP, values: Float64[np.ndarray, "S"]) -> Float64[np.ndarray, "S A"]:
+    """The mean value of the states that each action leads to."""
+    if isinstance(mdp.transitions, np.ndarray):
+        return values[mdp.transitions]
+    return (mdp.transitions @ values).reshape(mdp.states, -1)
 
 
 def check_certain(world: World) -> World:
