@@ -161,9 +161,22 @@ def test_what_is_wrong_with_settings_is_said_in_the_trainers_words(there, settin
     assert words in answers[-1]["error"]
 
 
-def test_what_the_trainer_does_not_take_is_refused(there):
-    slippery = there.ask("train", scene=scene(SMALL, slip=0.1), settings={})
-    assert "takes tools that fail, not actions" in slippery["error"]
+def test_chance_is_trained_with_as_it_is_measured(there, tmp_path):
+    failing = hb.World.parse("P = picker slip 0.3\n" + "\n".join(SMALL.rows), "small")
+    (tmp_path / "small.txt").write_text(failing.text())
+    settings = {"algorithm": "soft-value-iteration", "runs": 1, "episodes": 20_000}
+    asked = there.send("train", scene=scene(failing, slip=0.1), settings=settings)
+    end = done(there, asked)[-1]
+    world = str(tmp_path / "small.txt")
+    run = train(hb.Config.from_dict(settings | {"world": world, "slip": 0.1}))
+    assert end["done"]["converged_at"] == list(run.converged_at)
+    assert None not in run.converged_at
+    view = there.ask("run", index=0, name=end["done"]["name"])
+    assert view["episode"]["actions"] == list(play(run).actions)
+    assert view["episode"]["best_return"] == pytest.approx(run.best_return)
+
+
+def test_what_would_take_too_long_or_has_no_goal_is_not_trained(there):
     large = hb.World.parse("\n".join(["AP.CG" + "." * 25] + ["." * 30] * 29))
     assert (
         "placements; train on at most"

@@ -104,7 +104,7 @@ class Trainings:
         check_trainable(scene)
         name = secrets.token_hex(_NAME)
         drawn = self.folder / f"{name}.txt"
-        config = Config.from_dict(settings | {"world": str(drawn)})
+        config = Config.from_dict(settings | {"world": str(drawn), "slip": scene.slip})
         with _writing(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
             drawn.write_text(scene.world.located().text(), "utf-8")
@@ -118,15 +118,11 @@ class Trainings:
 
 
 def check_trainable(scene: Scene) -> None:
-    """Refuses what the trainer does not take, or what would train for ever.
+    """Refuses what would train for ever.
 
     Raises:
         ValueError: naming it.
     """
-    if scene.slip:
-        raise ValueError(
-            f"slip is {scene.slip:g}; the trainer takes tools that fail, not actions: set it to 0"
-        )
     free, world = len(Grid.of(scene.world).free), scene.world
     placements = free ** (1 + len(world.objects)) * (1 + 4 * len(world.tools))
     if placements > TRAINING["placements"]:
