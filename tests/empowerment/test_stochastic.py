@@ -1,8 +1,12 @@
 """Noisy empowerment is the capacity of the channel that all action sequences make."""
 
+import os
 import re
+import subprocess
+import sys
 import time
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -292,6 +296,22 @@ def test_memory_is_estimated_from_what_merging_leaves():
     real = beliefs.matrix.size * 32 / 2**30
     assert real / 3 < effort.gib[-1] < real * 10
     assert (np.diff(effort.gib) > 0).all()
+
+
+def test_what_is_compiled_on_first_use_is_no_part_of_the_estimate(tmp_path: Path):
+    """Compiling takes seconds, which a few thousand states would multiply to hours."""
+    code = (
+        "import habilis as hb\n"
+        "yard = hb.load_world('yard')\n"
+        "mdp = hb.tabulate(hb.World.parse('P = picker slip 0.2\\n' + '\\n'.join(yard.rows)))\n"
+        "hb.empowerment(mdp, 1, 'object', states=range(0, mdp.states, 10), max_seconds=100)\n"
+    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, env=environment
+    )
+    assert done.stderr == ""
+    assert any(tmp_path.rglob("*.nbi"))  # it did compile
 
 
 def test_what_else_runs_makes_no_estimate_larger(monkeypatch: pytest.MonkeyPatch):

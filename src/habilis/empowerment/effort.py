@@ -102,6 +102,7 @@ def estimate(problem: Problem, starts: Int64[np.ndarray, "n"], threads: int) -> 
     """
     horizon = problem.horizon
     probes = np.unique(starts[np.linspace(0, len(starts) - 1, _PROBED).astype(int)])
+    _compile(problem, int(probes[0]))
     gib, seconds = np.zeros(horizon + 1), np.zeros(horizon + 1)
     for start in probes:
         memory, time_taken = _probe(problem, int(start))
@@ -127,6 +128,12 @@ def _probe(
     worked = np.cumsum(entries) * successors.actions
     seconds = worked * took / max(worked[known], 1) + entries * solving / max(entries[known], 1)
     return memory / 2**30, seconds
+
+
+def _compile(problem: Problem, start: int) -> None:
+    """Does once what is timed later: the first time, it is compiled, for many seconds."""
+    beliefs = beliefs_after(problem.successors, start, min(1, problem.horizon))
+    solve_channel(problem, beliefs.states, beliefs.matrix)
 
 
 def _tried(
