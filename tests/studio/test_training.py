@@ -23,6 +23,8 @@ from habilis.worlds.tools import TOOLS
 
 SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")
 SETTINGS = {"intrinsic": "object", "horizon": 2, "beta": 0.1, "runs": 2, "episodes": 400, "seed": 3}
+# To whom standing near the can is worth more than the goal, it does not converge.
+ENDLESS = {"intrinsic": "object", "horizon": 3, "beta": 10, "runs": 10, "episodes": 100_000}
 needs_proc = pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc")
 LONG = {"runs": 1, "algorithm": "soft-value-iteration", "episodes": 100_000, "discount": 0.0}
 
@@ -200,11 +202,12 @@ def test_a_trainer_that_dies_is_no_training_that_has_ended(there):
 
 
 @needs_proc
-def test_closing_a_page_ends_what_it_trains_and_lets_others_train(address):
+def test_closing_a_page_ends_what_it_trains(address):
     stuck = 300  # seconds after which what has not come is not going to
-    for _ in range(TRAINING["at_once"] + 1):
+    for _ in range(TRAINING["at_once"]):
         with page(address) as leaving:
-            answers = leaving.answers(leaving.send("train", scene=scene(SMALL), settings=LONG))
+            yard = scene(hb.load_world("yard"))
+            answers = leaving.answers(leaving.send("train", scene=yard, settings=ENDLESS))
             next(answer for answer in answers if answer.get("curve"))
     began = time.monotonic()
     while trainers_of(os.getpid()) and time.monotonic() - began < stuck:
@@ -230,9 +233,10 @@ def trainers_of(process: int) -> list[int]:
     """The trainers among the processes that a process has started, and those that these have."""
     found = []
     for children in Path(f"/proc/{process}/task").glob("*/children"):
-        for child in map(int, children.read_text().split()):
-            words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
-            found += [child] * (b"habilis.studio.trainer" in words) + trainers_of(child)
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
+            for child in map(int, children.read_text().split()):
+                words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
+                found += [child] * (b"habilis.studio.trainer" in words) + trainers_of(child)
     return found
 
 
