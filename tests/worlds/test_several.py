@@ -149,6 +149,13 @@ def test_putting_down_nothing_changes_nothing():
     assert after(mdp, "drop") == mdp.start
 
 
+def test_what_was_put_down_is_not_taken_up_by_putting_down_nothing():
+    mdp = table_of(".AP... C...G.", DROP)
+    down = after(mdp, "drop")
+    assert held(mdp, down) == -1
+    assert after(mdp, "drop", "drop") == down
+
+
 # Tools that may fail
 
 
