@@ -293,6 +293,12 @@ def test_a_map_is_written_with_the_characters_that_its_kinds_usually_have():
     assert hb.World.parse(other) == hb.World.parse(above + "drop: true\n" + rows)
 
 
+@pytest.mark.parametrize("slip", ["0.123456789", "1e-09", "1", "0.3"])
+def test_a_slip_is_written_as_it_was_read(slip):
+    text = f"P = picker slip {slip}\nAP.CG\n"
+    assert hb.World.parse(text).text() == text
+
+
 def test_characters_of_further_things_are_not_those_of_others():
     above = "X = picker\nY = can\nZ = goal of Y\nG = goal of C\nV = rake\nW = rake\n"
     world = hb.World.parse(above + "AP.XG\nC.Y.Z\nV...W\n")
