@@ -281,6 +281,18 @@ def test_hands_that_there_are_not_are_refused(hands, message):
         reachable(world, start_of(world) | hands, 0)
 
 
+@pytest.mark.parametrize(
+    ("above", "message"),
+    [
+        ("drop: true\ndrop: false", "line 2: drop is set a second time, first in line 1"),
+        ("D = ball slip 0.2", "line 1: 'D' is bound to a ball with slip; only tools may fail"),
+    ],
+)
+def test_what_is_said_twice_or_of_the_wrong_thing_is_refused(above, message):
+    with pytest.raises(ValueError, match=message):
+        hb.World.parse(f"{above}\nAP.CG")
+
+
 # Maps written as text
 
 
