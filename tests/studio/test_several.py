@@ -135,3 +135,10 @@ def test_a_scene_has_one_map(there):
     assert "scene has no map" in there.ask("landscape", scene={})["error"]
     both = drawn(WORLD) | scene(WORLD)
     assert "scene has no map" in there.ask("landscape", scene=both)["error"]
+
+
+def test_with_a_tool_that_may_fail_there_is_no_plan_and_why(there):
+    for world in (hb.load_world("yard"), WORLD):
+        asked = drawn(world)
+        asked["drawn"]["tools"][0]["slip"] = 0.5
+        assert "with chance there is no shortest plan" in there.ask("solve", scene=asked)["error"]
