@@ -142,3 +142,12 @@ def test_with_a_tool_that_may_fail_there_is_no_plan_and_why(there):
         asked = drawn(world)
         asked["drawn"]["tools"][0]["slip"] = 0.5
         assert "with chance there is no shortest plan" in there.ask("solve", scene=asked)["error"]
+
+
+def test_what_a_map_s_text_would_hide_is_not_lost_in_training(there):
+    asked = drawn(WORLD)
+    asked["drawn"]["agent"] = asked["drawn"]["objects"][0]["goal"]
+    wanted = "something else is on the goal at (3, 4)"
+    assert wanted in there.ask("read", scene=asked)["error"]
+    settings = {"episodes": 2, "runs": 1, "intrinsic": "none"}
+    assert wanted in there.ask("train", scene=asked, settings=settings)["error"]

@@ -1,5 +1,7 @@
 """Worlds of several tools and objects: what is in hand, what is in the way, where it ends."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -309,6 +311,15 @@ def test_a_map_is_written_with_the_characters_that_its_kinds_usually_have():
 def test_a_slip_is_written_as_it_was_read(slip):
     text = f"P = picker slip {slip}\nAP.CG\n"
     assert hb.World.parse(text).text() == text
+
+
+def test_a_map_that_would_hide_a_goal_is_not_written():
+    world = hb.World.parse("D = ball\nH = goal of D\nG = goal of C\nA.CG\n..DH")
+    ball = replace(world.more_objects[0], goal=world.goal)
+    for hiding in (replace(world, agent=world.goal), replace(world, more_objects=(ball,))):
+        with pytest.raises(ValueError, match=r"something else is on the goal at \(0, 3\)"):
+            hiding.text()
+        assert len(hiding.rows) == 2
 
 
 def test_characters_of_further_things_are_not_those_of_others():
