@@ -174,6 +174,13 @@ def test_what_the_trainer_does_not_take_is_refused(there):
     assert "the goal cannot be reached" in answers[-1]["error"]
 
 
+def test_tools_that_can_be_put_down_do_not_get_past_the_limit_of_placements(there):
+    above = "R = rake\nS = stick\ndrop: true\nA.P.R.S.C.\n"
+    text = above + "..........\n" * 5 + ".........G"
+    answers = done(there, there.send("train", scene={"map": text}, settings={"runs": 1}))
+    assert "make more than 400,000 placements" in answers[-1]["error"]
+
+
 @needs_proc
 def test_a_trainer_that_dies_is_no_training_that_has_ended(there):
     number = there.send("train", scene=scene(SMALL), settings=LONG)
