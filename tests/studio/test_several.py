@@ -36,6 +36,13 @@ def test_what_is_drawn_is_the_world():
     assert (again.object_kind, again.goal, again.tools) == ("ball", bare.goal, ())
 
 
+def test_things_in_whatever_order_are_the_same_world():
+    said = described(WORLD)
+    for name in ("tools", "objects"):
+        said[name] = said[name][::-1]
+    assert world_of(said, TOOLS, "map") == WORLD
+
+
 def test_map_text_is_read_and_written_by_the_library(there):
     read = there.ask("read", scene={"map": WORLD.text()})
     assert read["drawn"] == described(WORLD)
