@@ -1,13 +1,17 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import habilis as hb
 from habilis.benchmarks.counting import enumerate_sequences
+from habilis.empowerment.influence import reliability
 from habilis.empowerment.measures import (
     average_empowerment,
     compare,
     ranking,
 )
+from habilis.empowerment.usefulness import usefulness
 
 ROOM = hb.World.parse("A..\nP#.\n.C.\n..G\n", "room")
 
@@ -28,6 +32,15 @@ def test_compare_measures_every_tool_in_the_same_place():
     found = compare(ROOM, ["broom", "none"], 2)
     assert list(found) == ["broom", "none"]
     assert found["broom"] == average_empowerment(hb.tabulate(ROOM.with_tool("broom")), 2)
+
+
+def test_that_a_tool_can_be_put_down_changes_no_average():
+    laid = replace(ROOM, drop=True)
+    assert compare(laid, ["picker", "none"], 2) == compare(ROOM, ["picker", "none"], 2)
+    found, wanted = usefulness(laid, 2), usefulness(ROOM, 2)
+    assert np.array_equal(found.with_tool, wanted.with_tool)
+    assert np.array_equal(found.better_than_none, wanted.better_than_none)
+    assert reliability(laid, 2, slip=0.25) == reliability(ROOM, 2, slip=0.25)
 
 
 def test_ranking_is_from_the_most_to_the_least():

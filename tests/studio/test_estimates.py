@@ -1,5 +1,7 @@
 """Averages where chance has a part: estimated from placements drawn at random."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import habilis as hb
@@ -22,6 +24,16 @@ def test_an_estimate_is_as_near_to_the_average_as_it_says():
         assert len(bits) == DRAWN
         assert 0 < abs(found.bits - wanted) < 1.5 * found.within
         assert found.within < 0.1
+
+
+def test_that_a_tool_can_be_put_down_changes_no_average():
+    laid = replace(WORLD, drop=True)
+    for one, slip in ((work.average, 0.0), (work.sampled, 0.1)):
+        some = (0, 3) if one is work.sampled else ()
+        found, wanted = (
+            one(Scene(world, horizon=2, slip=slip), "picker", *some) for world in (laid, WORLD)
+        )
+        assert found == wanted
 
 
 def test_placements_are_drawn_as_those_that_averages_go_over():

@@ -1,5 +1,7 @@
 """The studio on worlds of several tools and objects."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from studio import scene
@@ -34,6 +36,13 @@ def test_what_is_drawn_is_the_world():
     assert (again.object_kind, again.goal, again.tools) == ("ball", bare.goal, ())
 
 
+def test_things_in_whatever_order_are_the_same_world():
+    said = described(WORLD)
+    for name in ("tools", "objects"):
+        said[name] = said[name][::-1]
+    assert world_of(said, TOOLS, "map") == WORLD
+
+
 def test_map_text_is_read_and_written_by_the_library(there):
     read = there.ask("read", scene={"map": WORLD.text()})
     assert read["drawn"] == described(WORLD)
@@ -65,7 +74,8 @@ def test_averages_are_of_each_tool_alone_over_the_object_that_is_picked(there):
         averages |= answer.get("averages", {})
         if len(averages) == len(TOOLS) + 1:
             break
-    assert averages == compare(WORLD.with_object("ball"), [*TOOLS, "none"], 2)
+    held = replace(WORLD.with_object("ball"), drop=False)
+    assert averages == compare(held, [*TOOLS, "none"], 2)
 
 
 def test_play_keeps_what_is_in_hand(there):
@@ -132,3 +142,19 @@ def test_a_scene_has_one_map(there):
     assert "scene has no map" in there.ask("landscape", scene={})["error"]
     both = drawn(WORLD) | scene(WORLD)
     assert "scene has no map" in there.ask("landscape", scene=both)["error"]
+
+
+def test_with_a_tool_that_may_fail_there_is_no_plan_and_why(there):
+    for world in (hb.load_world("yard"), WORLD):
+        asked = drawn(world)
+        asked["drawn"]["tools"][0]["slip"] = 0.5
+        assert "with chance there is no shortest plan" in there.ask("solve", scene=asked)["error"]
+
+
+def test_what_a_map_s_text_would_hide_is_not_lost_in_training(there):
+    asked = drawn(WORLD)
+    asked["drawn"]["agent"] = asked["drawn"]["objects"][0]["goal"]
+    wanted = "something else is on the goal at (3, 4)"
+    assert wanted in there.ask("read", scene=asked)["error"]
+    settings = {"episodes": 2, "runs": 1, "intrinsic": "none"}
+    assert wanted in there.ask("train", scene=asked, settings=settings)["error"]

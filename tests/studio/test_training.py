@@ -15,6 +15,7 @@ from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
 from habilis.learning.train import train
+from habilis.studio import trained
 from habilis.studio.drawn import world_of
 from habilis.studio.limits import TRAINING
 from habilis.worlds.plans import solve
@@ -79,6 +80,18 @@ def test_a_trained_run_is_shown_as_the_library_has_it(there, run):
     assert there.hello["run"]["config"]["beta"] == 0.1
     assert world_of(there.hello["run"]["drawn"], TOOLS, "toe").object == SMALL.object
     check_view(there, run)
+
+
+def test_a_view_has_in_hand_what_can_be_put_down(tmp_path):
+    (tmp_path / "map.txt").write_text("drop: true\nAP..\n.C.G\n....\n....\n")
+    config = hb.Config(world=str(tmp_path / "map.txt"), runs=1, episodes=2)
+    run = hb.train(config, out=tmp_path / "run")
+    mdp = hb.tabulate(run.world)
+    values = learned(run, mdp, 0)[1]
+    put_down = int(mdp.next_state[mdp.start, mdp.actions.index("drop")])
+    assert values[put_down] != values[mdp.start]
+    view = trained.view(str(tmp_path / "run"), 0)
+    assert view["values"][0][0] == pytest.approx(float(values[mdp.start]), rel=1e-4)
 
 
 def test_a_view_is_of_any_place_of_the_things(there, run):
@@ -187,6 +200,13 @@ def test_what_would_take_too_long_or_has_no_goal_is_not_trained(there):
     walled = hb.World.parse("AC#G\n..##\n....\n....")
     answers = done(there, there.send("train", scene=scene(walled), settings={"runs": 1}))
     assert "the goal cannot be reached" in answers[-1]["error"]
+
+
+def test_tools_that_can_be_put_down_do_not_get_past_the_limit_of_placements(there):
+    above = "R = rake\nS = stick\ndrop: true\nA.P.R.S.C.\n"
+    text = above + "..........\n" * 5 + ".........G"
+    answers = done(there, there.send("train", scene={"map": text}, settings={"runs": 1}))
+    assert "make more than 400,000 placements" in answers[-1]["error"]
 
 
 @needs_proc

@@ -30,7 +30,7 @@ def worlds(draw: st.DrawFn) -> hb.World:
         st.lists(st.sampled_from(["picker", "broom", "rake", "stick", "magnet"]), max_size=2)
     )
     kinds = draw(st.lists(st.sampled_from(["can", "ball", "crate"]), min_size=1, max_size=2))
-    drop = len(tools) < 2 and draw(st.booleans())
+    drop = draw(st.booleans())
     if len(tools) < 2 and len(kinds) < 2 and not drop:
         kinds = [*kinds, "ball"]
     count = 2 + len(tools) + len(kinds)
@@ -79,7 +79,7 @@ def by_the_rules(world: hb.World, at: State, action: str) -> State:
 
 def moved(world: hb.World, at: State, action: str) -> State:
     if action == "drop":
-        return replace(at, held=None, laid=at.held)
+        return at if at.held is None else replace(at, held=None, laid=at.held)
     way = WAYS[action.split()[-1]]
     carried = not action.startswith("tool")
     tools, objects = list(at.tools), list(at.objects)

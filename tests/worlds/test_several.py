@@ -1,5 +1,7 @@
 """Worlds of several tools and objects: what is in hand, what is in the way, where it ends."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -149,6 +151,13 @@ def test_putting_down_nothing_changes_nothing():
     assert after(mdp, "drop") == mdp.start
 
 
+def test_what_was_put_down_is_not_taken_up_by_putting_down_nothing():
+    mdp = table_of(".AP... C...G.", DROP)
+    down = after(mdp, "drop")
+    assert held(mdp, down) == -1
+    assert after(mdp, "drop", "drop") == down
+
+
 # Tools that may fail
 
 
@@ -274,6 +283,18 @@ def test_hands_that_there_are_not_are_refused(hands, message):
         reachable(world, start_of(world) | hands, 0)
 
 
+@pytest.mark.parametrize(
+    ("above", "message"),
+    [
+        ("drop: true\ndrop: false", "line 2: drop is set a second time, first in line 1"),
+        ("D = ball slip 0.2", "line 1: 'D' is bound to a ball with slip; only tools may fail"),
+    ],
+)
+def test_what_is_said_twice_or_of_the_wrong_thing_is_refused(above, message):
+    with pytest.raises(ValueError, match=message):
+        hb.World.parse(f"{above}\nAP.CG")
+
+
 # Maps written as text
 
 
@@ -284,6 +305,21 @@ def test_a_map_is_written_with_the_characters_that_its_kinds_usually_have():
     other = "V = ball\nB = goal of V\nW = rake\nX = crate\nP = picker slip 0.2\nG = goal of C\n"
     other += "drop: true\nAP..W\n.C.V.\nBX..G\n"
     assert hb.World.parse(other) == hb.World.parse(above + "drop: true\n" + rows)
+
+
+@pytest.mark.parametrize("slip", ["0.123456789", "1e-09", "1", "0.3"])
+def test_a_slip_is_written_as_it_was_read(slip):
+    text = f"P = picker slip {slip}\nAP.CG\n"
+    assert hb.World.parse(text).text() == text
+
+
+def test_a_map_that_would_hide_a_goal_is_not_written():
+    world = hb.World.parse("D = ball\nH = goal of D\nG = goal of C\nA.CG\n..DH")
+    ball = replace(world.more_objects[0], goal=world.goal)
+    for hiding in (replace(world, agent=world.goal), replace(world, more_objects=(ball,))):
+        with pytest.raises(ValueError, match=r"something else is on the goal at \(0, 3\)"):
+            hiding.text()
+        assert len(hiding.rows) == 2
 
 
 def test_characters_of_further_things_are_not_those_of_others():

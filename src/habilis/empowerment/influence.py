@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from habilis.empowerment.core import Options
 from habilis.empowerment.horizons import empowerment_by_horizon
-from habilis.empowerment.measures import NOTHING, average_empowerment, compared_states
+from habilis.empowerment.measures import NOTHING, average_empowerment, compared_states, held
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
@@ -139,6 +139,7 @@ def reliability(world: World, horizon: int, slip: float = 0.0, **options: Unpack
         >>> round(reliability(World.parse("A.C.G"), horizon=1, slip=0.2), 3)
         0.546
     """
+    world = held(world)
     sure = average_empowerment(tabulate(certain(world)), horizon, **options)
     if not fails(world, slip):
         return share(sure, sure)

@@ -1,6 +1,7 @@
 """Averages of empowerment, which compare tools."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -59,6 +60,11 @@ def compared_states(mdp: TabularMDP) -> np.ndarray:
     return mdp.flags["equipped"]
 
 
+def held(world: World) -> World:
+    """The same world with no putting down: averages are of what a tool in hand is worth."""
+    return replace(world, drop=False)
+
+
 def compare(
     world: World,
     tools: Sequence[str | Tool | type],
@@ -67,6 +73,8 @@ def compare(
     **options: Unpack[Options],
 ) -> dict[str, float]:
     """Average object empowerment of an agent with each tool in the same world, in bits.
+
+    A tool that could be put down on the map is held here.
 
     Args:
         world: the map.
@@ -90,7 +98,7 @@ def compare(
     """
     if not tools:
         raise ValueError(f"no tools to compare; name some, such as picker,broom,{NO_TOOL}")
-    worlds = {(other := world.with_tool(tool)).tool: other for tool in tools}
+    worlds = {(other := held(world.with_tool(tool))).tool: other for tool in tools}
     if len(worlds) < len({tool if isinstance(tool, str) else id(tool) for tool in tools}):
         raise ValueError(
             f"two of the tools have one name, of {', '.join(worlds)}; compare each alone"

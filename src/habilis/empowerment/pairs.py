@@ -1,7 +1,7 @@
 """Which tool for which object: every pair of them, alone in the same world."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
@@ -20,7 +20,7 @@ from habilis.empowerment.influence import (
     share,
 )
 from habilis.empowerment.lasting import persistence
-from habilis.empowerment.measures import compared_states
+from habilis.empowerment.measures import compared_states, held
 from habilis.files import suffix_of
 from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
@@ -201,7 +201,7 @@ def pairs(
     if not columns:
         raise ValueError(f"no objects; name some of {', '.join(_object_names(world))}")
     alone = {
-        (tool, object): replace(armed.with_object(object), drop=False)
+        (tool, object): held(armed.with_object(object))
         for tool, armed in rows.items()
         for object in columns
     }

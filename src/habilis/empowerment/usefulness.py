@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from habilis.empowerment.core import Options, empowerment
-from habilis.empowerment.measures import NOTHING, compared_states
+from habilis.empowerment.measures import NOTHING, compared_states, held
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import NO_TOOL, World
@@ -55,6 +55,8 @@ def usefulness(
 ) -> Usefulness:
     """Whether the world's tool is of use for its object.
 
+    A tool that could be put down on the map is held here.
+
     Args:
         world: the map, with a tool.
         horizon: h, in actions.
@@ -75,7 +77,7 @@ def usefulness(
     """
     if world.tool == NO_TOOL:
         raise ValueError(f"{world.name} has no tool to judge; give it one, as with_tool('broom')")
-    mdp, bare = tabulate(world, slip), tabulate(world.with_tool(NO_TOOL), slip)
+    mdp, bare = tabulate(held(world), slip), tabulate(world.with_tool(NO_TOOL), slip)
     states = np.flatnonzero(compared_states(mdp))
     with_tool = empowerment(mdp, horizon, "object", states=states, **options)
     alone, gap = empowerment(bare, horizon, "object", return_gap=True, **options)

@@ -1,4 +1,4 @@
-"""A world as the page draws it: walls as text, and its things in the order in which it has them."""
+"""A world as the page draws it: walls as text, and its things."""
 
 from collections.abc import Collection
 from typing import Any
@@ -38,7 +38,7 @@ def described(world: World) -> dict[str, Any]:
 
 
 def world_of(value: Any, kinds: Collection[str], name: str) -> World:
-    """A world from what the page has.
+    """A world from what the page has, the same as from its map's text.
 
     Args:
         value: as in `described`.
@@ -56,6 +56,8 @@ def world_of(value: Any, kinds: Collection[str], name: str) -> World:
         raise ValueError(f"drop is {shown(given['drop'])}; give true or false")
     tools = [_tool(one, kinds) for one in _few("tools", given["tools"], 0)]
     objects = [_object(one) for one in _few("objects", given["objects"], 1)]
+    tools.sort(key=lambda tool: tool["cell"])  # as a map is read
+    objects.sort(key=lambda thing: (thing["goal"] is None, thing["cell"]))
     tool_names = numbered([tool["kind"] for tool in tools])
     object_names = numbered([thing["kind"] for thing in objects])
     placed = [PlacedTool(called, **tool) for called, tool in zip(tool_names, tools, strict=True)]

@@ -44,7 +44,8 @@ A scene is an object:
 map      text of 4 to 30 rows and columns, perhaps below lines that bind
          characters, as in a file; or instead
 drawn    {ground: rows of # and ., agent, tools [{kind, cell, slip}], objects
-         [{kind, cell, goal or null}], drop}, things in any order
+         [{kind, cell, goal or null}], drop}, things in any order; they are counted
+         as a map is read, objects that have goals first
 tool     the name of one that `hello` lists, which takes the place of the map's;
          none: none; by default those of the map
 sensor   state (the default), object, tool, agent, or cells: sees the object in

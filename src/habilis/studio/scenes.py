@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
+from habilis.empowerment.measures import held
 from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.studio.drawn import world_of
 from habilis.studio.fields import cell, checked, number, one_of, text
@@ -131,7 +132,7 @@ class Scene:
 
     def with_tool(self, tool: str) -> "Scene":
         """What averages are of: a tool, what all actions can do to the object with it."""
-        world = self.world.with_object(self.object).with_tool(tool)
+        world = held(self.world.with_object(self.object).with_tool(tool))
         return replace(self, world=world, sensor="object", thing=0, actions="all", cells=())
 
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":

@@ -13,6 +13,7 @@ from habilis.mdp import HELD, LAID
 from habilis.studio import drawn
 from habilis.studio.work import Answer, placed, state_of
 from habilis.worlds.placements import Placement
+from habilis.worlds.rules import NONE
 
 _POINTS = 150  # of a curve: more than a page has room for
 _DIGITS = 5
@@ -57,7 +58,10 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
         here &= mdp.factor(name) == mdp.factor(name)[start]
     shape = run.world.height, run.world.width
     grids: Any = [[[None] * shape[1] for _ in range(shape[0])] for _ in range(2)]
-    for state in np.flatnonzero(here):
+    shown = np.flatnonzero(here)
+    if LAID in mdp.factors:  # as in a landscape, what is beside the agent is in hand if it can be
+        shown = shown[np.argsort(mdp.factor(LAID)[shown] != NONE, kind="stable")]
+    for state in shown:
         row, column = divmod(int(mdp.factor("agent")[state]), shape[1])
         if grids[0][row][column] is not None:  # with another tool in hand
             continue

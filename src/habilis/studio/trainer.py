@@ -15,6 +15,10 @@ from typing import Any
 from habilis.learning.config import Config
 from habilis.learning.runs import Progress
 from habilis.learning.train import train
+from habilis.studio.limits import TRAINING
+from habilis.worlds.placements import start_of
+from habilis.worlds.reach import TooManyPlacementsError, reachable
+from habilis.worlds.world import World, load_world
 
 CHECKPOINT_SECONDS = 1.0
 
@@ -31,6 +35,7 @@ def main(folder: str) -> None:
 
     try:
         config = Config.from_dict(json.loads(sys.stdin.readline()))
+        check_reach(load_world(config.world))
         train(config, show, out=Path(folder), checkpoint_seconds=CHECKPOINT_SECONDS)
     except KeyboardInterrupt:
         tell(stopped=True)
@@ -38,6 +43,26 @@ def main(folder: str) -> None:
         tell(error=str(error))
     else:
         tell(ended=True)
+
+
+def check_reach(world: World) -> None:
+    """Refuses maps on which tools that are put down here and there make too many placements.
+
+    How many there can be is known beforehand only where a tool stays in hand.
+
+    Raises:
+        ValueError: naming the map.
+    """
+    if not world.drop:
+        return
+    most = TRAINING["placements"]
+    try:
+        reachable(world, start_of(world), None, most)
+    except TooManyPlacementsError:
+        raise ValueError(
+            f"{world.name}: tools put down here and there make more than {most:,} placements; take "
+            "things away, or make the map smaller"
+        ) from None
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ from habilis.studio.scenes import ELSEWHERE, Scene
 from habilis.worlds.described import rewards
 from habilis.worlds.moving import agent_cells
 from habilis.worlds.placements import Placement, start_of
-from habilis.worlds.plans import solve
+from habilis.worlds.plans import check_certain, solve
 from habilis.worlds.reach import TooManyPlacementsError, reachable
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
@@ -112,7 +112,7 @@ def choices(scene: Scene, agent: list[int]) -> Answer:
 
 def plan(scene: Scene, at: Placement | None = None) -> Answer:
     """A shortest plan from a placement, by default the map's, and what it passes through."""
-    world = scene.world
+    world = check_certain(scene.world)
     if world.several:
         mdp, start = _within_reach(world, scene.placement if at is None else at)
     else:

@@ -51,7 +51,7 @@ class Header:
 def header(lines: Lines, name: str) -> tuple[Header, Lines]:
     """What lines above the map say, and the map's rows."""
     bound: dict[str, tuple[int, str]] = {}
-    drop = False
+    drop: tuple[int, bool] | None = None
     rows = list(lines)
     while rows and (
         not rows[0][1] or _BINDING.fullmatch(rows[0][1]) or _SETTING.fullmatch(rows[0][1])
@@ -59,7 +59,13 @@ def header(lines: Lines, name: str) -> tuple[Header, Lines]:
         line, text = rows.pop(0)
         setting = _SETTING.fullmatch(text)
         if setting is not None:
-            drop = _drop(f"{name}, line {line}", *setting.groups())
+            said = _drop(f"{name}, line {line}", *setting.groups())
+            if drop is not None:
+                raise ValueError(
+                    f"{name}, line {line}: {DROP} is set a second time, first in line {drop[0]}; "
+                    "set it once"
+                )
+            drop = line, said
         found = _BINDING.fullmatch(text)
         if found is None:
             continue
@@ -72,7 +78,7 @@ def header(lines: Lines, name: str) -> tuple[Header, Lines]:
         bound[character] = line, kind
     if not rows:
         raise ValueError(f"{name}: {_EMPTY}")
-    return Header(bound, drop), rows
+    return Header(bound, drop is not None and drop[1]), rows
 
 
 def _drop(place: str, setting: str, value: str) -> bool:

@@ -88,7 +88,12 @@ class _Characters:
 def _tool_binding(character: str, usual: str, tool: PlacedTool) -> str:
     if character == usual and not tool.slip:
         return binding(character, tool.kind)
-    return _bound(character, f"{tool.kind} slip {tool.slip:g}" if tool.slip else tool.kind)
+    return _bound(character, f"{tool.kind} slip {_exactly(tool.slip)}" if tool.slip else tool.kind)
+
+
+def _exactly(slip: float) -> str:
+    """In as few digits as say it: 1, not 1.0."""
+    return f"{slip:g}" if float(f"{slip:g}") == slip else repr(float(slip))
 
 
 def _bound(character: str, what: str) -> str:

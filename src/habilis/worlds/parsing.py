@@ -100,6 +100,10 @@ def _meaning(character: str, said: str, folder: Path | None) -> Meaning:
     if said in OBJECTS:
         check_free(character, but=OBJECT)
         return Meaning(OBJECT, said)
+    if slipping is not None and slipping[1] in OBJECTS:
+        raise ValueError(
+            f"{character!r} is bound to a {slipping[1]} with slip; only tools may fail"
+        )
     check_free(character)
     kind, slip = (said, 0.0) if slipping is None else (slipping[1], _probability(slipping[2]))
     kind = kind if folder is None else beside(folder, kind)

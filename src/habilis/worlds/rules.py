@@ -157,7 +157,8 @@ def successor(grid: Grid, kinds: Kinds, action: int, at: Places, works: bool = T
         ValueError: a tool does not answer as a tool must.
     """
     if action == DROP:
-        return replace(at, held=np.full_like(at.held, NONE), laid=at.held)
+        laid = at.held if at.laid is None else np.where(at.held == NONE, at.laid, at.held)
+        return replace(at, held=np.full_like(at.held, NONE), laid=laid)
     step = grid.steps[action % 4]
     carried = action < len(MOVES)
     agent = at.agent + step if carried else at.agent

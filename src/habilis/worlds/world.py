@@ -261,7 +261,18 @@ class World:
         return _world, (values | {"own": None}, located(self.tool))
 
     def text(self) -> str:
-        """The map as text, which `World.parse` reads back."""
+        """The map as text, which `World.parse` reads back.
+
+        Raises:
+            ValueError: something is on a goal, which a map of one character a cell cannot show.
+        """
+        cells = [mark.cell for mark in marks_of(self)]
+        hidden = next((cell for cell in cells if cells.count(cell) > 1), None)
+        if hidden is not None:
+            raise ValueError(
+                f"{self.name}: something else is on the goal at {hidden}, and a map's text has one "
+                "character a cell; put it elsewhere"
+            )
         return "\n".join([*header_of(self), *self.rows]) + "\n"
 
     @property
