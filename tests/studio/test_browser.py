@@ -445,7 +445,7 @@ def test_light_and_dark_by_preference_and_by_the_switch(page: Page):
     expect(body).to_have_css("background-color", dark)
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (810, 1080)])
+@pytest.mark.parametrize("size", [(1280, 720), (1024, 768), (810, 1080)])
 def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
     page.set_viewport_size({"width": size[0], "height": size[1]})
     for view in ("design", "play", "train", "run"):
