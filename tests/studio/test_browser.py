@@ -3,6 +3,7 @@
 import socket
 from collections.abc import Iterator
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -562,6 +563,15 @@ def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
     expect(page.locator("#start")).to_be_enabled()
 
 
+ARROW_BEYOND = """() => {
+  const board = document.querySelector("#run-board").getBoundingClientRect();
+  const boxes = [...document.querySelectorAll("#run-board .now .arrow")]
+    .map((arrow) => arrow.getBoundingClientRect());
+  const { x, y, height } = boxes.reduce((one, other) => (one.x < other.x ? one : other));
+  return { x, y, width: board.x - x, height };
+}"""
+
+
 def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path):
     pytest.importorskip("jax")
     from habilis.learning.config import Config
@@ -579,8 +589,14 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
             expect(told).to_contain_text(f"{steps} step")
         expect(page.locator("#tab-run")).to_have_attribute("aria-selected", "true")
 
-        # Dragged elsewhere, the can is where the next episode begins with it.
+        # The agent stands at the edge of the map, and what it would do there is not cut off.
         page.locator("#step").fill("0")
+        beyond = page.evaluate(ARROW_BEYOND)
+        picture = plt.imread(BytesIO(page.screenshot(clip=beyond)))
+        red, green, blue = np.moveaxis(picture[..., :3], -1, 0)
+        assert np.any((red > 2 * green) & (green > blue))
+
+        # Dragged elsewhere, the can is where the next episode begins with it.
         drag(page, "#run-board", YARD.object, (6, 5))
         mdp = tabulate(YARD)
         assert YARD.tool_cell is not None
