@@ -51,6 +51,7 @@ EXAMPLES = ROOT / "examples"
 LARGEST_PICTURE = 150_000  # bytes
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
+SIZES = ((1280, 720), (1024, 768), (810, 1080))
 SIZE: ViewportSize = {"width": 1280, "height": 720}
 
 
@@ -446,7 +447,7 @@ def test_light_and_dark_by_preference_and_by_the_switch(page: Page):
     expect(body).to_have_css("background-color", dark)
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (1024, 768), (810, 1080)])
+@pytest.mark.parametrize("size", SIZES)
 def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
     page.set_viewport_size({"width": size[0], "height": size[1]})
     for view in ("design", "play", "train", "run"):
@@ -696,6 +697,28 @@ def test_a_map_of_several_things_is_taken_in_as_text(page: Page):
     expect(page.locator("dialog .fault")).to_contain_text("line 1: binds a character to a file")
 
 
+CONTROLS = """() => [...document.querySelectorAll("main, .top button")].map((element) => {
+  const { x, y, width, height } = element.getBoundingClientRect();
+  return [x, y, width, height];
+})"""
+HIDDEN_BY_STATUS = """() => {
+  const over = document.querySelector(".status").getBoundingClientRect();
+  return [...document.querySelectorAll("main, .top button")].filter((element) => {
+    const { left, right, top, bottom } = element.getBoundingClientRect();
+    return left < over.right && over.left < right && top < over.bottom && over.top < bottom;
+  }).map((element) => element.outerHTML.slice(0, 90));
+}"""
+
+
+def at_each_size(page: Page, script: str) -> list[object]:
+    """What a script says of the page at each size of SIZES; the page then has the first again."""
+    found = []
+    for width, height in (*SIZES[1:], SIZES[0]):
+        page.set_viewport_size({"width": width, "height": height})
+        found.append(page.evaluate(script))
+    return found
+
+
 def test_a_page_goes_on_when_its_server_has_come_back(browser: Browser):
     pytest.importorskip("jax")
     with socket.create_server(("127.0.0.1", 0)) as free:
@@ -711,8 +734,11 @@ def test_a_page_goes_on_when_its_server_has_come_back(browser: Browser):
         expect(page.locator("#stop")).to_be_enabled()
         page.locator("#tab-play").click()
         expect(page.locator("#bits-now")).not_to_have_text("–")
+        before = at_each_size(page, CONTROLS)
     status = page.locator(".status")
     expect(status).to_contain_text("The server is gone")
+    assert at_each_size(page, CONTROLS) == before
+    assert not any(at_each_size(page, HIDDEN_BY_STATUS))
     page.keyboard.press("ArrowDown")  # to nobody
     page.locator("#tab-train").click()
     expect(page.locator(".training .fault")).to_have_text("the line to the server was lost")
