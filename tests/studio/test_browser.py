@@ -42,7 +42,7 @@ from habilis.empowerment.measures import compare
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.tools import TOOLS
-from habilis.worlds.world import World, load_world
+from habilis.worlds.world import Cell, World, load_world
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="apt-get install chromium")
 
@@ -259,6 +259,43 @@ def test_a_tap_on_a_cell_marks_what_could_be_brought_about_until_the_next(
             page.touchscreen.tap(*middle(page, LANDSCAPE, cell))
             expect(marks).to_have_count(places)
             expect(page.locator("#told")).to_contain_text(f"{np.log2(places):.2f} bits")
+
+
+def test_cells_are_chosen_with_a_finger(browser: Browser, address: str):
+    with browser.new_context(viewport=SIZE, has_touch=True) as context:
+        page = context.new_page()
+        page.goto(address)
+        page.locator("#sensor").select_option("cells")
+        settled(page)
+        chosen = page.locator(f"{LANDSCAPE} .chosen-cell")
+        page.touchscreen.tap(*middle(page, LANDSCAPE, (0, 0)))
+        expect(chosen).to_have_count(1)
+        page.touchscreen.tap(*middle(page, LANDSCAPE, (0, 0)))
+        expect(chosen).to_have_count(0)
+        swipe(page, LANDSCAPE, (9, 2), (9, 4))
+        expect(chosen).to_have_count(3)
+        mdp = tabulate(YARD)
+        at = mdp.factor("object")
+        seen = np.isin(at, [mdp.label((9, column)) for column in (2, 3, 4)])
+        assert shown_bits(page) == true_bits(YARD, 3, np.where(seen, at, -1))
+        swipe(page, LANDSCAPE, (9, 4), (5, 4))  # begun on one that is chosen, it takes away
+        expect(chosen).to_have_count(2)
+
+
+def swipe(page: Page, board: str, start: Cell, end: Cell) -> None:
+    """Puts a finger on the first cell, and lifts it from the last."""
+    finger = page.context.new_cdp_session(page)
+
+    def touch(kind: str, *points: tuple[float, float]) -> None:
+        places = [{"x": x, "y": y} for x, y in points]
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": places})
+
+    way = np.linspace(middle(page, board, start), middle(page, board, end), 8).tolist()
+    touch("touchStart", way[0])
+    for place in way[1:]:
+        touch("touchMove", place)
+    touch("touchEnd")
+    finger.detach()
 
 
 def test_the_picture_of_the_readme_is_taken_by_a_command(browser: Browser, tmp_path: Path):

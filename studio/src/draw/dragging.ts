@@ -6,7 +6,7 @@ import type { Board } from "./board";
 /** What is in hand. */
 export interface Hold {
   /** What it is, by which the pointer's look goes. */
-  readonly kind: "thing" | "wall";
+  readonly kind: "thing" | "wall" | "sight";
   /** It has come along these cells, at first to that where it was taken up. */
   move(path: Cell[]): void;
   /** It was let go off the board, if that means something. */
