@@ -455,6 +455,7 @@ def test_show_me_acts_out_a_shortest_plan(page: Page):
     page.locator("#tab-play").click()
     page.locator("#show-me").click()
     expect(page.locator("#plan")).to_contain_text(f"{plan.steps} steps")
+    assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
     expect(page.locator("#play-state")).to_have_text(
         f"The can is in the bin after {plan.steps} steps."
     )
@@ -484,6 +485,21 @@ def test_light_and_dark_by_preference_and_by_the_switch(page: Page):
     expect(body).to_have_css("background-color", dark)
 
 
+SCROLLED = """() => {
+  const { scrollWidth, scrollHeight } = document.documentElement;
+  return [scrollWidth - innerWidth, scrollHeight - innerHeight];
+}"""
+
+
+def at_each_size(page: Page, script: str) -> list[object]:
+    """What a script says of the page at each size of SIZES; the page then has the first again."""
+    found = []
+    for width, height in (*SIZES[1:], SIZES[0]):
+        page.set_viewport_size({"width": width, "height": height})
+        found.append(page.evaluate(script))
+    return found
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
     page.set_viewport_size({"width": size[0], "height": size[1]})
@@ -492,11 +508,7 @@ def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
         if view == "play":
             page.get_by_role("switch", name="Bits").check()
             expect(page.locator("#play-board .labels text")).not_to_have_count(0)
-        wide, high = page.evaluate(
-            "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
-        )
-        assert wide <= size[0]
-        assert high <= size[1]
+        assert page.evaluate(SCROLLED) == [0, 0]
         keep_picture(page, f"{view}-{size[0]}")
 
 
@@ -513,8 +525,7 @@ def test_no_map_is_too_tall_or_too_wide(page: Page, sides: tuple[str, str]):
         if view == "play":
             page.get_by_role("switch", name="Bits").check()
             expect(page.locator(".play .scale")).to_be_visible()
-        sizes = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
-        assert page.evaluate(sizes) == [SIZE["width"], SIZE["height"]]
+        assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
         keep_picture(page, f"{view}-{'x'.join(sides)}")
 
 
@@ -627,6 +638,8 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
             expect(told).to_contain_text(f"{steps} step")
         expect(page.locator("#tab-run")).to_have_attribute("aria-selected", "true")
 
+        assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
+
         # The agent stands at the edge of the map, and what it would do there is not cut off.
         page.locator("#step").fill("0")
         beyond = page.evaluate(ARROW_BEYOND)
@@ -704,6 +717,8 @@ def test_several_things_are_put_on_the_map_picked_and_taken_away(page: Page, bro
     expect(page.locator("#play-state")).to_have_text("2 steps")
     page.keyboard.press("ArrowLeft")
     expect(page.locator("#play-state")).to_contain_text("the picker is in hand")
+    page.get_by_role("switch", name="Bits").check()
+    assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
     keep_picture(page, "play-several")
 
     page.locator("#tab-design").click()
@@ -745,15 +760,6 @@ HIDDEN_BY_STATUS = """() => {
     return left < over.right && over.left < right && top < over.bottom && over.top < bottom;
   }).map((element) => element.outerHTML.slice(0, 90));
 }"""
-
-
-def at_each_size(page: Page, script: str) -> list[object]:
-    """What a script says of the page at each size of SIZES; the page then has the first again."""
-    found = []
-    for width, height in (*SIZES[1:], SIZES[0]):
-        page.set_viewport_size({"width": width, "height": height})
-        found.append(page.evaluate(script))
-    return found
 
 
 def test_a_page_goes_on_when_its_server_has_come_back(browser: Browser):
