@@ -163,6 +163,8 @@ def test_the_can_is_seen_in_chosen_cells_only(page: Page):
     page.locator("#sensor").select_option("cells")
     settled(page)
     assert set(shown_bits(page).values()) == {0.0}
+    scale = page.locator(".landscape .scale-bar")
+    expect(scale).to_have_css("background-image", "none")  # of one colour, as all cells
     drag(page, LANDSCAPE, (9, 2), (9, 4))
     shown = shown_bits(page)
     mdp = tabulate(YARD)
@@ -170,6 +172,7 @@ def test_the_can_is_seen_in_chosen_cells_only(page: Page):
     seen = np.isin(at, [mdp.label((9, column)) for column in (2, 3, 4)])
     assert shown == true_bits(YARD, 3, np.where(seen, at, -1))
     assert max(shown.values()) > 0
+    expect(scale).not_to_have_css("background-image", "none")
 
 
 def test_undo_and_redo_by_keys_and_buttons(page: Page):
@@ -609,6 +612,9 @@ def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
     expect(page.locator(".training .fault")).to_contain_text(
         "give both what is added and its weight, or neither"
     )
+    expect(
+        page.get_by_role("checkbox", name="Draw:")
+    ).not_to_be_checked()  # there is nothing to draw
     expect(page.locator("#start")).to_be_enabled()
 
 
@@ -682,6 +688,7 @@ def test_several_things_are_put_on_the_map_picked_and_taken_away(page: Page, bro
         page.locator("#add").click()
         page.get_by_role("menuitem", name=name, exact=True).click()
         page.keyboard.press("Escape")
+        expect(page.get_by_role("menu")).to_be_hidden()
 
     add("Rake")
     add("Ball")

@@ -54,7 +54,8 @@ export function createPlay(app: App): View {
   /** Says something of a plan in the place of the task. */
   function tell(words: string): void {
     plan.textContent = words;
-    task.hidden = words !== "";
+    plan.hidden = words === "";
+    task.hidden = !plan.hidden;
   }
 
   const drop = button("Put down", () => player.act(8), { id: "put-down" });
