@@ -145,6 +145,17 @@ def test_tool_horizon_sensor_actions_and_slip_are_those_that_are_measured(page: 
     assert shown_bits(page) == true_bits(broom, 2, "state", actions=moves, slip=0.2)
 
 
+def test_estimates_stand_in_a_line_as_what_is_exact(page: Page):
+    page.locator("#slip").fill("0.3")
+    bits = page.locator(".bars .chosen .bits")
+    expect(bits).to_contain_text("≈")
+    height = bits.evaluate(
+        "(bits) => bits.clientHeight / parseFloat(getComputedStyle(bits).lineHeight)"
+    )
+    assert round(height) == 1
+    assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
+
+
 def test_without_a_tool_there_are_only_moves(page: Page):
     page.get_by_role("radio", name="None").check(force=True)
     assert shown_bits(page) == true_bits(load_world("yard", tool="none"), 3)
