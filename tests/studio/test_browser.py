@@ -3,6 +3,7 @@
 import socket
 from collections.abc import Iterator
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -41,7 +42,7 @@ from habilis.empowerment.measures import compare
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.tools import TOOLS
-from habilis.worlds.world import World, load_world
+from habilis.worlds.world import Cell, World, load_world
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="apt-get install chromium")
 
@@ -50,6 +51,7 @@ EXAMPLES = ROOT / "examples"
 LARGEST_PICTURE = 150_000  # bytes
 YARD = load_world("yard")
 KEYS = ("ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft", "w", "d", "s", "a")
+SIZES = ((1280, 720), (1024, 768), (810, 1080))
 SIZE: ViewportSize = {"width": 1280, "height": 720}
 
 
@@ -143,6 +145,17 @@ def test_tool_horizon_sensor_actions_and_slip_are_those_that_are_measured(page: 
     assert shown_bits(page) == true_bits(broom, 2, "state", actions=moves, slip=0.2)
 
 
+def test_estimates_stand_in_a_line_as_what_is_exact(page: Page):
+    page.locator("#slip").fill("0.3")
+    bits = page.locator(".bars .chosen .bits")
+    expect(bits).to_contain_text("≈")
+    height = bits.evaluate(
+        "(bits) => bits.clientHeight / parseFloat(getComputedStyle(bits).lineHeight)"
+    )
+    assert round(height) == 1
+    assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
+
+
 def test_without_a_tool_there_are_only_moves(page: Page):
     page.get_by_role("radio", name="None").check(force=True)
     assert shown_bits(page) == true_bits(load_world("yard", tool="none"), 3)
@@ -161,6 +174,8 @@ def test_the_can_is_seen_in_chosen_cells_only(page: Page):
     page.locator("#sensor").select_option("cells")
     settled(page)
     assert set(shown_bits(page).values()) == {0.0}
+    scale = page.locator(".landscape .scale-bar")
+    expect(scale).to_have_css("background-image", "none")  # of one colour, as all cells
     drag(page, LANDSCAPE, (9, 2), (9, 4))
     shown = shown_bits(page)
     mdp = tabulate(YARD)
@@ -168,6 +183,7 @@ def test_the_can_is_seen_in_chosen_cells_only(page: Page):
     seen = np.isin(at, [mdp.label((9, column)) for column in (2, 3, 4)])
     assert shown == true_bits(YARD, 3, np.where(seen, at, -1))
     assert max(shown.values()) > 0
+    expect(scale).not_to_have_css("background-image", "none")
 
 
 def test_undo_and_redo_by_keys_and_buttons(page: Page):
@@ -257,6 +273,43 @@ def test_a_tap_on_a_cell_marks_what_could_be_brought_about_until_the_next(
             page.touchscreen.tap(*middle(page, LANDSCAPE, cell))
             expect(marks).to_have_count(places)
             expect(page.locator("#told")).to_contain_text(f"{np.log2(places):.2f} bits")
+
+
+def test_cells_are_chosen_with_a_finger(browser: Browser, address: str):
+    with browser.new_context(viewport=SIZE, has_touch=True) as context:
+        page = context.new_page()
+        page.goto(address)
+        page.locator("#sensor").select_option("cells")
+        settled(page)
+        chosen = page.locator(f"{LANDSCAPE} .chosen-cell")
+        page.touchscreen.tap(*middle(page, LANDSCAPE, (0, 0)))
+        expect(chosen).to_have_count(1)
+        page.touchscreen.tap(*middle(page, LANDSCAPE, (0, 0)))
+        expect(chosen).to_have_count(0)
+        swipe(page, LANDSCAPE, (9, 2), (9, 4))
+        expect(chosen).to_have_count(3)
+        mdp = tabulate(YARD)
+        at = mdp.factor("object")
+        seen = np.isin(at, [mdp.label((9, column)) for column in (2, 3, 4)])
+        assert shown_bits(page) == true_bits(YARD, 3, np.where(seen, at, -1))
+        swipe(page, LANDSCAPE, (9, 4), (5, 4))  # begun on one that is chosen, it takes away
+        expect(chosen).to_have_count(2)
+
+
+def swipe(page: Page, board: str, start: Cell, end: Cell) -> None:
+    """Puts a finger on the first cell, and lifts it from the last."""
+    finger = page.context.new_cdp_session(page)
+
+    def touch(kind: str, *points: tuple[float, float]) -> None:
+        places = [{"x": x, "y": y} for x, y in points]
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": places})
+
+    way = np.linspace(middle(page, board, start), middle(page, board, end), 8).tolist()
+    touch("touchStart", way[0])
+    for place in way[1:]:
+        touch("touchMove", place)
+    touch("touchEnd")
+    finger.detach()
 
 
 def test_the_picture_of_the_readme_is_taken_by_a_command(browser: Browser, tmp_path: Path):
@@ -416,6 +469,7 @@ def test_show_me_acts_out_a_shortest_plan(page: Page):
     page.locator("#tab-play").click()
     page.locator("#show-me").click()
     expect(page.locator("#plan")).to_contain_text(f"{plan.steps} steps")
+    assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
     expect(page.locator("#play-state")).to_have_text(
         f"The can is in the bin after {plan.steps} steps."
     )
@@ -445,7 +499,22 @@ def test_light_and_dark_by_preference_and_by_the_switch(page: Page):
     expect(body).to_have_css("background-color", dark)
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (810, 1080)])
+SCROLLED = """() => {
+  const { scrollWidth, scrollHeight } = document.documentElement;
+  return [scrollWidth - innerWidth, scrollHeight - innerHeight];
+}"""
+
+
+def at_each_size(page: Page, script: str) -> list[object]:
+    """What a script says of the page at each size of SIZES; the page then has the first again."""
+    found = []
+    for width, height in (*SIZES[1:], SIZES[0]):
+        page.set_viewport_size({"width": width, "height": height})
+        found.append(page.evaluate(script))
+    return found
+
+
+@pytest.mark.parametrize("size", SIZES)
 def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
     page.set_viewport_size({"width": size[0], "height": size[1]})
     for view in ("design", "play", "train", "run"):
@@ -453,11 +522,7 @@ def test_nothing_is_cut_off(page: Page, size: tuple[int, int]):
         if view == "play":
             page.get_by_role("switch", name="Bits").check()
             expect(page.locator("#play-board .labels text")).not_to_have_count(0)
-        wide, high = page.evaluate(
-            "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
-        )
-        assert wide <= size[0]
-        assert high <= size[1]
+        assert page.evaluate(SCROLLED) == [0, 0]
         keep_picture(page, f"{view}-{size[0]}")
 
 
@@ -474,8 +539,7 @@ def test_no_map_is_too_tall_or_too_wide(page: Page, sides: tuple[str, str]):
         if view == "play":
             page.get_by_role("switch", name="Bits").check()
             expect(page.locator(".play .scale")).to_be_visible()
-        sizes = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
-        assert page.evaluate(sizes) == [SIZE["width"], SIZE["height"]]
+        assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
         keep_picture(page, f"{view}-{'x'.join(sides)}")
 
 
@@ -559,7 +623,19 @@ def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
     expect(page.locator(".training .fault")).to_contain_text(
         "give both what is added and its weight, or neither"
     )
+    expect(
+        page.get_by_role("checkbox", name="Draw:")
+    ).not_to_be_checked()  # there is nothing to draw
     expect(page.locator("#start")).to_be_enabled()
+
+
+ARROW_BEYOND = """() => {
+  const board = document.querySelector("#run-board").getBoundingClientRect();
+  const boxes = [...document.querySelectorAll("#run-board .now .arrow")]
+    .map((arrow) => arrow.getBoundingClientRect());
+  const { x, y, height } = boxes.reduce((one, other) => (one.x < other.x ? one : other));
+  return { x, y, width: board.x - x, height };
+}"""
 
 
 def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path):
@@ -579,8 +655,16 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
             expect(told).to_contain_text(f"{steps} step")
         expect(page.locator("#tab-run")).to_have_attribute("aria-selected", "true")
 
-        # Dragged elsewhere, the can is where the next episode begins with it.
+        assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
+
+        # The agent stands at the edge of the map, and what it would do there is not cut off.
         page.locator("#step").fill("0")
+        beyond = page.evaluate(ARROW_BEYOND)
+        picture = plt.imread(BytesIO(page.screenshot(clip=beyond)))
+        red, green, blue = np.moveaxis(picture[..., :3], -1, 0)
+        assert np.any((red > 2 * green) & (green > blue))
+
+        # Dragged elsewhere, the can is where the next episode begins with it.
         drag(page, "#run-board", YARD.object, (6, 5))
         mdp = tabulate(YARD)
         assert YARD.tool_cell is not None
@@ -615,6 +699,7 @@ def test_several_things_are_put_on_the_map_picked_and_taken_away(page: Page, bro
         page.locator("#add").click()
         page.get_by_role("menuitem", name=name, exact=True).click()
         page.keyboard.press("Escape")
+        expect(page.get_by_role("menu")).to_be_hidden()
 
     add("Rake")
     add("Ball")
@@ -650,6 +735,8 @@ def test_several_things_are_put_on_the_map_picked_and_taken_away(page: Page, bro
     expect(page.locator("#play-state")).to_have_text("2 steps")
     page.keyboard.press("ArrowLeft")
     expect(page.locator("#play-state")).to_contain_text("the picker is in hand")
+    page.get_by_role("switch", name="Bits").check()
+    assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
     keep_picture(page, "play-several")
 
     page.locator("#tab-design").click()
@@ -680,6 +767,19 @@ def test_a_map_of_several_things_is_taken_in_as_text(page: Page):
     expect(page.locator("dialog .fault")).to_contain_text("line 1: binds a character to a file")
 
 
+CONTROLS = """() => [...document.querySelectorAll("main, .top button")].map((element) => {
+  const { x, y, width, height } = element.getBoundingClientRect();
+  return [x, y, width, height];
+})"""
+HIDDEN_BY_STATUS = """() => {
+  const over = document.querySelector(".status").getBoundingClientRect();
+  return [...document.querySelectorAll("main, .top button")].filter((element) => {
+    const { left, right, top, bottom } = element.getBoundingClientRect();
+    return left < over.right && over.left < right && top < over.bottom && over.top < bottom;
+  }).map((element) => element.outerHTML.slice(0, 90));
+}"""
+
+
 def test_a_page_goes_on_when_its_server_has_come_back(browser: Browser):
     pytest.importorskip("jax")
     with socket.create_server(("127.0.0.1", 0)) as free:
@@ -695,8 +795,11 @@ def test_a_page_goes_on_when_its_server_has_come_back(browser: Browser):
         expect(page.locator("#stop")).to_be_enabled()
         page.locator("#tab-play").click()
         expect(page.locator("#bits-now")).not_to_have_text("–")
+        before = at_each_size(page, CONTROLS)
     status = page.locator(".status")
     expect(status).to_contain_text("The server is gone")
+    assert at_each_size(page, CONTROLS) == before
+    assert not any(at_each_size(page, HIDDEN_BY_STATUS))
     page.keyboard.press("ArrowDown")  # to nobody
     page.locator("#tab-train").click()
     expect(page.locator(".training .fault")).to_have_text("the line to the server was lost")

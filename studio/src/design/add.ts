@@ -39,7 +39,7 @@ export function createAdd({ hello, store }: App): HTMLElement {
   document.addEventListener("pointerdown", (event) => {
     if (!element.contains(event.target as Node)) element.open = false;
   });
-  element.addEventListener("keydown", (event) => {
+  document.addEventListener("keydown", (event) => {
     if (event.key !== "Escape" || !element.open) return;
     element.open = false;
     element.querySelector("summary")!.focus();

@@ -39,7 +39,7 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
       row.dataset.fresh = String(compared.includes(name));
     }
     const estimated = Object.values(within).some((about) => about > 0);
-    waiting.textContent = `Bits at the ${object}, over ${estimated ? "some of " : ""}all its places${tool === null ? ", each tool alone" : ""}.`;
+    waiting.textContent = `Bits at the ${object}, over ${estimated ? "a sample of" : "all"} its places${tool === null ? ", each tool alone" : ""}.`;
     const said = error ? [] : why !== null ? [why] : tool === null ? [] : sentence(tool, object, averages, verdicts[tool]);
     verdict.replaceChildren(...said);
     const of = why !== null || error !== null || tool === null || tool === NO_TOOL ? [] : [tool, NO_TOOL];

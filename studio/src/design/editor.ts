@@ -7,6 +7,7 @@ import {
   cellOfThing, moved, namesOf, thingAt, toolsAside, without, withWall, type Standing, type World,
 } from "../core/world";
 import { createBoard, type Board } from "../draw/board";
+import { letDrag, type Hold } from "../draw/dragging";
 import { stood } from "../draw/things";
 
 const KEYS: Record<string, Standing["what"]> = { a: "agent", t: "tool", c: "object", b: "goal" };
@@ -17,13 +18,10 @@ export const ARROWS: Record<string, Cell> = {
   ArrowLeft: [0, -1],
 };
 
-type Hand = { thing: Standing; off: boolean } | { wall: boolean; last: Cell };
-
 export function createEditor({ store }: App): Board {
   const board = createBoard("The world: draw walls, drag things", "world-board");
   const { picture } = board;
-  let hand: Hand | null = null;
-  let gesture = 0;
+  let drags = 0;
 
   const makeRoom = ({ world, bare }: Scene, cell: number) =>
     bare ? toolsAside(world, cell) : world;
@@ -52,42 +50,27 @@ export function createEditor({ store }: App): Board {
     if (world !== scene.world) store.change({ world }, gesture);
   }
 
-  picture.addEventListener("pointerdown", (event) => {
-    const cell = board.cellAt(event);
-    if (cell === null || event.button !== 0) return;
-    picture.setPointerCapture(event.pointerId);
-    gesture += 1;
-    board.moveCursor(cell);
-    const scene = store.scene();
-    const at = indexOf(scene.world, cell);
-    const thing = seenAt(scene, at);
-    hand = thing === null ? { wall: !scene.world.walls[at], last: cell } : { thing, off: false };
-    picture.dataset.hand = thing === null ? "wall" : "thing";
-    if ("wall" in hand) paint([cell], hand.wall, `drag ${gesture}`);
+  const carried = (thing: Standing, gesture: string): Hold => ({
+    kind: "thing",
+    move: (path) => put(thing, path.at(-1)!, gesture),
+    off: () => remove(thing, gesture),
   });
-  picture.addEventListener("pointermove", (event) => {
-    const cell = board.cellAt(event);
-    if (hand !== null && "thing" in hand) hand.off = cell === null;
-    picture.dataset.off = String(hand !== null && "thing" in hand && hand.off);
-    if (cell === null) return;
-    if (hand === null) {
-      const scene = store.scene();
-      picture.dataset.over = seenAt(scene, indexOf(scene.world, cell)) ? "thing" : "cell";
-    } else if ("thing" in hand) put(hand.thing, cell, `drag ${gesture}`);
-    else {
-      paint(between(hand.last, cell), hand.wall, `drag ${gesture}`);
-      hand.last = cell;
-    }
+  const drawn = (wall: boolean, gesture: string): Hold => ({
+    kind: "wall",
+    move: (path) => paint(path, wall, gesture),
   });
-  for (const end of ["pointerup", "pointercancel"]) {
-    picture.addEventListener(end, () => {
-      if (end === "pointerup" && hand && "thing" in hand && hand.off) {
-        remove(hand.thing, `drag ${gesture}`);
-      }
-      hand = null;
-      delete picture.dataset.hand;
-    });
-  }
+  const thingIn = (cell: Cell) => seenAt(store.scene(), indexOf(store.scene().world, cell));
+  letDrag(
+    board,
+    (cell) => {
+      const gesture = `drag ${(drags += 1)}`;
+      board.moveCursor(cell);
+      const { world } = store.scene();
+      const thing = thingIn(cell);
+      return thing ? carried(thing, gesture) : drawn(!world.walls[indexOf(world, cell)], gesture);
+    },
+    (cell) => (thingIn(cell) ? "thing" : "cell"),
+  );
   picture.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const [row, column] = board.cursor();
@@ -98,8 +81,7 @@ export function createEditor({ store }: App): Board {
       const { world } = store.scene();
       paint([[row, column]], !world.walls[indexOf(world, [row, column])]);
     } else if (event.key === "Delete" || event.key === "Backspace") {
-      const scene = store.scene();
-      const there = seenAt(scene, indexOf(scene.world, [row, column]));
+      const there = thingIn([row, column]);
       if (there) remove(there);
     } else if (what && !(what === "tool" && !toolsOf(store.scene()).length)) {
       put({ what, of: 0 }, [row, column]);
@@ -137,13 +119,4 @@ function contentOf(scene: Scene, cell: number): string {
   const several = world.objects.length > 1;
   if (there.what === "goal") return several ? `bin of the ${name}` : "bin";
   return there.what === "tool" && world.tools.length === 1 ? "tool" : name;
-}
-
-/** The cells of a line, so that a fast drag leaves no gaps. */
-function between(from: Cell, to: Cell): Cell[] {
-  const steps = Math.max(Math.abs(to[0] - from[0]), Math.abs(to[1] - from[1]), 1);
-  return Array.from({ length: steps + 1 }, (_, k) => [
-    Math.round(from[0] + ((to[0] - from[0]) * k) / steps),
-    Math.round(from[1] + ((to[1] - from[1]) * k) / steps),
-  ]);
 }

@@ -8,6 +8,7 @@ import type { Cell, FuturesAnswer, Sensor } from "../core/protocol";
 import { cellOf, indexOf, message, objectOf, startOf, toolsOf, type Scene } from "../core/scene";
 import { namesOf } from "../core/world";
 import { createBoard, type Mark } from "../draw/board";
+import { letDrag } from "../draw/dragging";
 import { stood } from "../draw/things";
 import { same } from "../draw/cells";
 import { scaleOf } from "../draw/heat";
@@ -44,8 +45,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
   let marks: Mark[] | null = null;
   let asked: Asked | null = null;
   let timer = 0;
-  let painting: boolean | null = null;
-  let gesture = 0;
+  let drags = 0;
 
   function draw(): void {
     const scene = store.scene();
@@ -54,6 +54,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     const { landscape, least, most, scene: of } = measuring.latest();
     const fits = of?.world.height === world.height && of.world.width === world.width;
     const grid = landscape && fits ? landscape : null;
+    picture.classList.toggle("choosing", choosing());
     board.draw({
       world,
       things: stood(world, toolsOf(scene), hovered && marks ? { ...start, agent: hovered } : start),
@@ -123,34 +124,32 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     draw();
   }
 
-  function choose(cell: Cell, wanted?: boolean): void {
+  const choosing = () => store.scene().sensor === "cells";
+  const isChosen = (cell: Cell) => store.scene().cells.includes(indexOf(store.scene().world, cell));
+  function choose(path: Cell[], wanted: boolean, gesture?: string): void {
     const { cells, world } = store.scene();
-    const at = indexOf(world, cell);
-    const has = cells.includes(at);
-    if (has === wanted) return;
-    const next = has ? cells.filter((other) => other !== at) : [...cells, at].sort((a, b) => a - b);
-    store.change({ cells: next }, painting === null ? undefined : `choose ${gesture}`);
+    const next = new Set(cells);
+    for (const cell of path) next[wanted ? "add" : "delete"](indexOf(world, cell));
+    if (next.size === cells.length) return;
+    store.change({ cells: [...next].sort((a, b) => a - b) }, gesture);
   }
 
-  const choosing = () => store.scene().sensor === "cells";
-  picture.addEventListener("pointerdown", (event) => {
-    const cell = board.cellAt(event);
-    if (cell === null) return;
-    board.moveCursor(cell);
-    if (!choosing()) return hover(cell);
-    picture.setPointerCapture(event.pointerId);
-    gesture += 1;
-    painting = !store.scene().cells.includes(indexOf(store.scene().world, cell));
-    choose(cell, painting);
-  });
-  picture.addEventListener("pointermove", (event) => {
-    const cell = board.cellAt(event);
-    if (painting !== null) {
-      if (cell) choose(cell, painting);
-    } else hover(cell);
-  });
-  picture.addEventListener("pointerup", () => (painting = null));
-  picture.addEventListener("pointercancel", () => (painting = null));
+  letDrag(
+    board,
+    (cell) => {
+      board.moveCursor(cell);
+      if (!choosing()) {
+        hover(cell); // a finger's tap
+        return null;
+      }
+      const [wanted, gesture] = [!isChosen(cell), `choose ${(drags += 1)}`];
+      return { kind: "sight", move: (path) => choose(path, wanted, gesture) };
+    },
+    (cell) => {
+      hover(cell);
+      return "cell";
+    },
+  );
   picture.addEventListener("pointerleave", (event) => {
     if (event.pointerType !== "touch") hover(null); // a finger leaves with every tap
   });
@@ -162,8 +161,9 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
       const [row, column] = board.cursor();
       board.moveCursor([row + step[0], column + step[1]]);
       hover(board.cursor());
-    } else if ((event.key === " " || event.key === "Enter") && choosing()) choose(board.cursor());
-    else return;
+    } else if ((event.key === " " || event.key === "Enter") && choosing()) {
+      choose([board.cursor()], !isChosen(board.cursor()));
+    } else return;
     event.preventDefault();
   });
 

@@ -11,7 +11,8 @@ import { button, notice } from "../frame/widgets";
 export function openMapText({ connection, store }: App): void {
   const { world, bare } = store.scene();
   const area = h("textarea", { id: "text", spellcheck: "false", "aria-label": "Map text" });
-  area.rows = Math.min(Math.max(world.height + 2, 8), 22);
+  const holds = (lines: number) => (area.rows = Math.min(Math.max(lines, 8), 22));
+  holds(world.height + 2);
   const fault = h("p", { class: "fault", role: "alert" });
 
   /** What the library makes of a map, drawn or as text. */
@@ -27,6 +28,7 @@ export function openMapText({ connection, store }: App): void {
 
   read({ drawn: drawnOf(world), ...(bare ? { tool: NO_TOOL } : {}) }, ({ text }) => {
     area.value ||= text.trimEnd();
+    holds(area.value.split("\n").length + 1);
   });
 
   function takeIn(): void {

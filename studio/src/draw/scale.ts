@@ -1,7 +1,7 @@
 /** The scale under a board: its colours, their two ends, and what they are of. */
 
 import { h } from "../core/elements";
-import { GRADIENT } from "./heat";
+import { colourOf, GRADIENT, scaleOf } from "./heat";
 
 export interface ScaleBar {
   readonly element: HTMLElement;
@@ -12,7 +12,6 @@ export interface ScaleBar {
 export function createScaleBar(words: string, digits: number): ScaleBar {
   const [least, most] = [h("span"), h("span")];
   const bar = h("span", { class: "scale-bar" });
-  bar.style.background = GRADIENT;
   const element = h("div", { class: "scale" }, least, bar, most, h("span", {}, words));
   const inWords = (value: number) => value.toFixed(digits).replace("-", "−");
   return {
@@ -20,6 +19,9 @@ export function createScaleBar(words: string, digits: number): ScaleBar {
     show(ends) {
       element.hidden = ends === null;
       if (ends === null) return;
+      const one = inWords(ends.least) === inWords(ends.most); // there is one colour then
+      bar.style.background = one ? colourOf(ends.least, scaleOf(ends.least, ends.most)) : GRADIENT;
+      most.hidden = one;
       least.textContent = inWords(ends.least);
       most.textContent = inWords(ends.most);
     },

@@ -105,7 +105,7 @@ export function createFrame(
       { class: "top" },
       h("h1", {}, "Habilis ", h("span", {}, "studio")),
       list,
-      h("p", { class: "idea" }, IDEA),
+      h("div", { class: "idea" }, h("p", {}, IDEA), line),
       h(
         "div",
         { class: "icons" },
@@ -114,7 +114,6 @@ export function createFrame(
         iconButton("help", "What is this? (?)", () => openHelp(hello), "help"),
       ),
     ),
-    line,
     h("main", {}, ...panels),
   );
   return {

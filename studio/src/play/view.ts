@@ -26,7 +26,8 @@ export function createPlay(app: App): View {
   const chart = createChart("Bits from step to step", "bits-chart");
   const now = h("span", { class: "number", id: "bits-now" }, "–");
   const state = h("p", { class: "quiet", id: "play-state", "aria-live": "polite" });
-  const plan = h("p", { class: "quiet", id: "plan" });
+  const task = h("p", { class: "quiet" });
+  const plan = h("p", { class: "quiet", id: "plan", "aria-live": "polite" });
   const player = createPlayer(app, draw);
   const layer = createBits(app, draw);
   let active = false;
@@ -34,7 +35,7 @@ export function createPlay(app: App): View {
   const show = button("Show me", () => {
     if (player.showing()) player.stop();
     else {
-      plan.textContent = "Looking for the shortest plan…";
+      tell("Looking for the shortest plan…");
       player.showPlan(tellPlan);
     }
     draw();
@@ -43,13 +44,22 @@ export function createPlay(app: App): View {
 
   function tellPlan(steps: number | null): void {
     if (steps === null) notice("It cannot be brought to the bin from here");
-    plan.textContent = steps === null
-      ? "No plan: the bin is out of reach."
-      : `Shortest plan from there: ${steps} ${steps === 1 ? "step" : "steps"}.`;
+    tell(
+      steps === null
+        ? "No plan: the bin is out of reach."
+        : `Shortest plan from there: ${steps} ${steps === 1 ? "step" : "steps"}.`,
+    );
   }
 
-  const drop = button("Put down (Q)", () => player.act(8), { id: "put-down" });
-  const task = h("span", { class: "quiet" });
+  /** Says something of a plan in the place of the task. */
+  function tell(words: string): void {
+    plan.textContent = words;
+    plan.hidden = words === "";
+    task.hidden = !plan.hidden;
+  }
+
+  const drop = button("Put down", () => player.act(8), { id: "put-down" });
+  drop.title = "Put the tool in hand down (Q)";
   const pads = CAPS.map((caps, of) =>
     h(
       "div",
@@ -114,7 +124,7 @@ export function createPlay(app: App): View {
     task.textContent = many ? "bring every object to its bin" : `bring the ${object} to the bin`;
     if (player.showing()) rename(show, "Stop", "stop");
     else rename(show, "Show me", "play");
-    if (!steps && !player.showing()) plan.textContent = "";
+    if (!steps && !player.showing()) tell("");
   }
 
   /** The move that leads into the cell under the pointer, if it is beside the agent. */
@@ -157,10 +167,10 @@ export function createPlay(app: App): View {
     card(
       "Game",
       "world",
-      h("div", { class: "card-head" }, h("h2", {}, "Play"), task),
+      h("div", { class: "card-head" }, h("h2", {}, "Play"), task, plan),
       board.element,
       layer.scale,
-      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, show, reset, drop, layer.toggle), plan),
+      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, show, reset, drop, layer.toggle)),
     ),
     card(
       "Empowerment",

@@ -176,25 +176,35 @@ export function createRun({ hello, connection, acted }: App): View {
     return !taken && !done && !map.walls[indexOf(map, cell)];
   }
 
+  /** What may be dragged from there: all but bins. */
+  function thingIn(cell: Cell): Standing | null {
+    const now = active ? here() : null;
+    const there = now === null ? [] : stood(map, map.tools, now);
+    return there.find((one) => same(one.cell, cell) && one.thing.what !== "goal")?.thing ?? null;
+  }
+
+  function move(thing: Standing, cell: Cell): void {
+    if (timer) stop();
+    const now = here()!;
+    if (!free(thing, cell, now)) return;
+    const { agent, tools, objects } = now;
+    if (thing.what === "agent") moved = { agent: cell, tools, objects };
+    else if (thing.what === "tool") moved = { agent, tools: tools.with(thing.of, cell), objects };
+    else moved = { agent, tools, objects: objects.with(thing.of, cell) };
+    draw();
+  }
+
   letDrag(
     board,
-    () => {
-      const now = here();
-      return now && active ? stood(map, map.tools, now) : [];
+    (cell) => {
+      const thing = thingIn(cell);
+      return thing && {
+        kind: "thing",
+        move: (path) => move(thing, path.at(-1)!),
+        drop: () => moved && begin(moved),
+      };
     },
-    (thing, cell) => {
-      if (timer) stop();
-      const now = here()!;
-      if (!free(thing, cell, now)) return;
-      const { agent, tools, objects } = now;
-      if (thing.what === "agent") moved = { agent: cell, tools, objects };
-      else if (thing.what === "tool") moved = { agent, tools: tools.with(thing.of, cell), objects };
-      else moved = { agent, tools, objects: objects.with(thing.of, cell) };
-      draw();
-    },
-    () => {
-      if (moved !== null) begin(moved);
-    },
+    (cell) => (thingIn(cell) ? "thing" : ""),
   );
 
   const full = h(

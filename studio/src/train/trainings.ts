@@ -72,6 +72,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
       if (answer.error !== undefined) training.error = answer.error;
       training.name = answer.name ?? training.name;
       if (answer.curve) training.curve = answer.curve;
+      if (answer.error !== undefined && training.curve === null) training.line = null;
       training.share = answer.share ?? answer.progress ?? training.share;
       training.steps = answer.steps ?? training.steps;
       training.episodes = answer.episodes ?? training.episodes;
