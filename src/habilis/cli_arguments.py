@@ -135,7 +135,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     v.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     v.add_argument("--run", type=int, default=0, help="which of its runs (default 0)")
-    seed = "of what chance does, where tools may fail (default 0)"
+    seed = "of what chance does, where it has a say (default 0)"
     v.add_argument("--seed", type=int, default=0, help=seed)
     v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
     v.add_argument("--mp4", type=Path, metavar="F.mp4", help="or as a video (extra [video])")

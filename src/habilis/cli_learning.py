@@ -90,9 +90,9 @@ def watch(args: Args) -> int:
     print(f"run {args.run} after {trained:,} episodes{so_far}")
     if shares is not None:
         unseen = "" if shares.unseen is None else f", {shares.unseen:.0%} of those held out"
-        placements = "of the starts trained from" if run.config.starts else "of all episodes"
-        word = "in" if by_chance else "from"
-        print(f"reaches the goal {word} {shares.seen:.0%} {placements}{unseen}")
+        several = bool(run.config.starts)
+        word, whole = ("from", "the starts trained from") if several else ("in", "all episodes")
+        print(f"reaches the goal {word} {shares.seen:.0%} of {whole}{unseen}")
     for path, _ in films:
         print(f"film: {path}")
     return 0 if episode.finished else 1

@@ -113,9 +113,9 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
             self.state = state = self._next_state[transition]
             reward = self._reward[transition]
         else:
-            outcome = transition, self._chance.drawn(transition, self.np_random.random())
-            self.state = state = int(self._chance.next_state[outcome])
-            reward = float(self._chance.reward[outcome])
+            reached, earned = self._chance.led(transition, self.np_random.random())
+            self.state = state = int(reached)
+            reward = float(earned)
         self._steps += 1
         ended: Any = self._terminal[state]
         cut = not ended and self._steps >= self._max_steps

@@ -129,9 +129,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             after = self._next_state.take(transition)
             rewards = self._reward.take(transition)
         else:
-            draws = self.np_random.random(self.num_envs)
-            outcome = transition, self._chance.drawn(transition, draws)
-            after, rewards = self._chance.next_state[outcome], self._chance.reward[outcome]
+            after, rewards = self._chance.led(transition, self.np_random.random(self.num_envs))
         self._steps += 1
         if begins is not None:  # these make no step: their next episode begins
             after[begins], rewards[begins], self._steps[begins] = self.mdp.start, 0.0, 0

@@ -42,7 +42,7 @@ class Ground(NamedTuple):
         seen: int64[n], those that training begins from.
         unseen: int64[m], those held out.
         shortest_return: of a shortest plan, the mean over those that training begins from; where
-            tools may fail, of one in which they do not.
+            chance has a say, of one in which no tool fails and no action slips.
     """
 
     mdp: TabularMDP

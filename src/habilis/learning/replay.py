@@ -41,7 +41,7 @@ def table_of(run: Run) -> TabularMDP:
 class Success(NamedTuple):
     """The share of placements from which an agent reaches the goal; `None` without any.
 
-    Where tools may fail, the probability that it does, the mean over the placements.
+    Where chance has a say, the probability that it does, the mean over the placements.
 
     Attributes:
         seen: of those that training began from.
@@ -139,13 +139,13 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
     """Acts out one run's greedy policy.
 
     Where policy and world are deterministic, an episode that comes back to a state will never
-    reach the goal: it ends there. Where tools may fail it ends after `episode_limit` actions.
+    reach the goal: it ends there. Where chance has a say it ends after `episode_limit` actions.
 
     Args:
         run: what `train` returned, or `load_run`.
         index: which of its runs, from 0.
         start: the state to begin in, of `tabulate(run.world)`; by default the map's own.
-        seed: of what chance does, where tools may fail.
+        seed: of what chance does, where it has a say.
 
     Returns:
         The episode.
@@ -166,9 +166,9 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
     while True:
         action = int(policy[states[-1]])
         chosen = states[-1] * mdp.action_count + action
-        outcome = chosen, int(chance.drawn(chosen, random.random()))
-        reached = int(chance.next_state[outcome])
-        total += float(chance.reward[outcome])
+        led, earned = chance.led(chosen, random.random())
+        reached = int(led)
+        total += float(earned)
         actions.append(action)
         in_vain = (
             len(actions) >= run.config.episode_limit if mdp.is_stochastic else reached in states

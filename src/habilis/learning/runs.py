@@ -21,8 +21,8 @@ class Run:
     Attributes:
         config: the configuration.
         world: its world, with the tool that was used.
-        best_return: extrinsic return of a shortest plan; where tools may fail, what the best policy
-            expects of an episode.
+        best_return: extrinsic return of a shortest plan; where chance has a say, what the best
+            policy expects of an episode.
         episodes: one row an episode of each run: "run", "episode" (both from 0), "steps",
             "return" (extrinsic, undiscounted), and for each flag of the table the number of
             its steps that led to a state with that flag ("equipped", "attached").

@@ -16,7 +16,7 @@ ROOM = 1 << 13
 class Task(NamedTuple):
     """What all lanes share.
 
-    An action may have several outcomes, of which chance chooses, where a tool may fail. A
+    An action may have several outcomes, of which chance chooses, where it has a say. A
     transition is numbered `(state * actions + action) * outcomes + outcome`.
     """
 

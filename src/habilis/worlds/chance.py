@@ -1,6 +1,7 @@
 """What may come of an action where chance has a say, as arrays to draw from."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int32
@@ -50,6 +51,7 @@ class Chance:
         """The probability of each outcome."""
         return np.diff(self.below, axis=1, prepend=0.0, append=1.0)
 
-    def drawn(self, transition, draw):
-        """Which outcome it is, for uniform numbers from [0, 1)."""
-        return (self.below[transition] <= np.asarray(draw)[..., None]).sum(axis=-1)
+    def led(self, transition, draw) -> tuple[Any, Any]:
+        """Where transitions lead and what for, given a uniform number from [0, 1) for each."""
+        outcome = transition, (self.below[transition] <= np.asarray(draw)[..., None]).sum(axis=-1)
+        return self.next_state[outcome], self.reward[outcome]
