@@ -114,6 +114,14 @@ def test_averages_and_verdicts_are_the_librarys(there):
         assert verdict["better_than_none"] == judged.better_than_none_on_average
 
 
+def test_where_no_tool_makes_a_difference_each_is_a_tie(there):
+    yard = hb.load_world("yard")
+    found = told(there, scene(yard, horizon=0), tools=len(TOOLS) + 1)
+    assert set(found["averages"].values()) == {0.0}
+    tie = {"useful": False, "better_than_none": False, "equal": True}
+    assert found["verdicts"] == dict.fromkeys(TOOLS, tie)
+
+
 def test_a_map_without_a_tool_has_the_average_of_the_bare_agent(there):
     world = hb.World.parse("AC..\n....\n....\n...G")
     answers = there.answers(there.send("measure", scene=scene(world)))
@@ -146,7 +154,8 @@ def test_averages_are_exact_where_chance_has_a_part_in_a_small_world(there):
     assert found["averages"] == pytest.approx(wanted, abs=1e-5)
     assert set(found["within"].values()) == {0.0}
     for tool, verdict in found["verdicts"].items():
-        assert verdict == {"useful": True, "better_than_none": wanted[tool] > wanted["none"]}
+        better = wanted[tool] > wanted["none"]
+        assert verdict == {"useful": True, "better_than_none": better, "equal": False}
 
 
 def told(there, asked: dict, tools: int) -> dict[str, dict]:

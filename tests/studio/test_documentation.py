@@ -38,6 +38,7 @@ def words(text: str) -> set[str]:
         ("placements of a world to train in", f"{limits.TRAINING['placements']:,}"),
         ("trainings at once", limits.TRAINING["at_once"]),
         ("trainings that wait for that", limits.TRAINING["waiting"]),
+        ("kept trainings that a page lists", limits.LISTED),
     ],
 )
 def test_the_limits_of_the_guide_are_the_studios(what, most):

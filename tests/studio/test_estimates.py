@@ -57,7 +57,8 @@ def test_a_verdict_is_left_open_where_estimates_overlap():
     bare = Estimate(1.0, 0.1, True)
     for bits, within, better in ((1.05, 0.1, None), (1.3, 0.1, True), (0.7, 0.1, False)):
         known = {"none": bare, "broom": Estimate(bits, within, True)}
-        assert verdicts(known) == {"broom": {"useful": True, "better_than_none": better}}
+        said = {"useful": True, "better_than_none": better, "equal": False}
+        assert verdicts(known) == {"broom": said}
     exact = {"none": Estimate(1.0, 0.0, True), "broom": Estimate(1.0, 0.0, True)}
     assert verdicts(exact)["broom"]["better_than_none"] is False
     assert verdicts({"broom": bare}) == {}
@@ -70,3 +71,18 @@ def test_the_interval_of_an_estimate_holds_the_average_of_what_it_was_drawn_from
         estimate = Estimate.of(random.exponential(size=100).tolist())
         held += abs(estimate.bits - 1) <= estimate.within
     assert 910 < held < 980
+
+
+def test_a_tie_is_called_a_tie():
+    bare = Estimate(0.5, 0.0, True)
+    of = {
+        "same": Estimate(0.5 + 1e-9, 0.0, True),
+        "more": Estimate(0.5001, 0.0, True),
+        "less": Estimate(0.4999, 0.0, True),
+        "open": Estimate(0.5, 0.1, True),
+    }
+    said = verdicts({"none": bare} | of)
+    assert [said[tool]["equal"] for tool in of] == [True, False, False, False]
+    assert [said[tool]["better_than_none"] for tool in of] == [False, True, False, None]
+    nothing = verdicts({"none": Estimate(0.0, 0.0, False), "rake": Estimate(0.0, 0.0, False)})
+    assert nothing["rake"] == {"useful": False, "better_than_none": False, "equal": True}

@@ -2,16 +2,19 @@
 
 import contextlib
 import json
+import tempfile
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from studio import page, scene
+from studio import page, scene, studio
 from websockets.exceptions import ConnectionClosed
 
 import habilis as hb
-from habilis.studio.limits import CLIENTS
-from habilis.studio.messages import MessageError, Request, read
+from habilis.studio.limits import CLIENTS, MESSAGE
+from habilis.studio.messages import _SETTINGS, MessageError, Request, read
+from habilis.studio.training import Trainings
 
 TOOLS = ("picker", "broom")
 SCENE = scene(hb.load_world("yard"), sensor="object", horizon=2, slip=0.0, actions="all", cells=[])
@@ -43,11 +46,22 @@ WHOLE = {
     },
     "train": {"scene": SCENE, "settings": {"runs": 1}},
     "stop": {},
+    "trainings": {},
+    "curve": {"name": "x"},
     "run": {"index": 0, "name": "x", "placement": {"agent": [2, 0], "object": [8, 3]}},
 }
 
+EXTREMES = (
+    *(-1, 5, 1e-7, 1e308, 2**53, 2**63, 10**400, "", "x" * 300, "é" * 200, "\x00", "a/b", ".."),
+    *("\ud800", "\n", [0, 0], [9, 9], [-1, -1], "none", "state", "cells", "tool:picker"),
+)
 VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(max_size=8)
+    | st.sampled_from(EXTREMES),
     lambda inner: (
         st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
     ),
@@ -96,6 +110,8 @@ NASTY = (
     json.dumps({"id": 1, "do": "measure", "scene": SCENE | {"cells": [[10**30, 0]]}}),
     json.dumps({"id": 1, "do": "measure", "scene": SCENE | {"tool": "/etc/passwd:x"}}),
     json.dumps({"id": 1, "do": "run", "index": 0, "name": "../../etc"}),
+    json.dumps({"id": 1, "do": "run", "index": 0, "name": "x" * 300}),
+    json.dumps({"id": 1, "do": "curve", "name": "é" * 200}),
 )
 
 
@@ -127,11 +143,34 @@ def test_what_is_meant_badly_is_an_error(text):
 
 def raise_if_no_request(text):
     request = read(text, TOOLS)
-    if request.do == "run":  # its name is looked at where trainings are kept
+    if request.do in ("run", "curve"):  # its name is looked at where trainings are kept
         raise MessageError("no request of ours", request.id)
 
 
-def test_after_a_thousand_malformed_messages_the_server_answers_as_before(address):
+def test_a_message_that_is_too_long_is_answered_to_whoever_sent_it(address):
+    with page(address) as there:
+        number = there.send("read", scene={"map": "." * MESSAGE})
+        error = next(there.answers(number))["error"]
+    assert error.startswith("a message has 65,5")
+    assert error.endswith(f"characters; send at most {MESSAGE:,}")
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.dictionaries(st.sampled_from(_SETTINGS), VALUES, max_size=3))
+def test_whatever_the_settings_of_a_training_are_they_are_taken_or_one_line_of_error(given):
+    message = {"id": 1, "do": "train", "scene": SCENE, "settings": given}
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            request = read(json.dumps(message), TOOLS)
+            assert request.scene is not None
+            with Trainings(Path(folder)).one(request.scene, dict(request.values["settings"])):
+                pass
+        except ValueError as error:
+            assert len(str(error).splitlines()) == 1
+        assert not list(Path(folder).iterdir())
+
+
+def test_after_a_thousand_malformed_messages_the_server_answers_as_before(tmp_path):
     sent = []
 
     @settings(max_examples=1_000, deadline=None, database=None)
@@ -140,7 +179,13 @@ def test_after_a_thousand_malformed_messages_the_server_answers_as_before(addres
         sent.append(text)
 
     collect()
-    with page(address) as there, page(address) as other:
+    log = tmp_path / "errors.txt"
+    with (
+        log.open("w") as errors_to,
+        studio("--out", str(tmp_path / "kept"), stderr=errors_to) as address,
+        page(address) as there,
+        page(address) as other,
+    ):
         before = other.ask("measure", scene=SCENE)["landscape"]
         answers = []
         meant = [
@@ -159,6 +204,8 @@ def test_after_a_thousand_malformed_messages_the_server_answers_as_before(addres
         assert len(errors) > 500
         assert not [a for a in answers if "error" in a and "\n" in a["error"]]
         assert other.ask("measure", scene=SCENE)["landscape"] == before
+        assert not [a for a in answers if "the studio failed" in a.get("error", "")]
+    assert log.read_text() == ""
 
 
 def test_more_pages_than_there_is_room_for_are_told_to_try_later(address):

@@ -190,6 +190,15 @@ def read_world(folder: Path) -> World:
     return world
 
 
+def read_summary(folder: Path, config: Config) -> dict[str, Any]:
+    """What came of a run: `best_return` and `converged_at`.
+
+    Raises:
+        ValueError: it is missing or damaged.
+    """
+    return _read(folder / "summary.json", lambda path: _summary(path, config))
+
+
 def check_same_table(world: World, digest: str | None, folder: Path) -> None:
     """Refuses tools of one's own that have changed.
 
@@ -225,7 +234,7 @@ def load_run(folder: str | Path) -> Run:
     config, world = read_config(folder), read_world(folder)
     if checkpoints.checkpoints(folder) and not is_finished(folder):
         raise ValueError(f"{folder}: the run has not ended; go on with it by train --resume")
-    summary = _read(folder / "summary.json", lambda path: _summary(path, config))
+    summary = read_summary(folder, config)
     return Run(
         config=config,
         world=world,

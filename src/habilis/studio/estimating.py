@@ -57,7 +57,12 @@ class Estimate:
 
 
 def verdicts(known: Mapping[str, Estimate]) -> dict[str, Verdict]:
-    """Whether tools are of use, and better than none; `None` where estimates leave that open."""
+    """Whether tools are of use, and better than none or equal to it.
+
+    Returns:
+        By tool: `useful`, `better_than_none` (`None` where estimates leave that open) and `equal`,
+        where the two averages are the same within the tolerance of both.
+    """
     bare = known.get(NO_TOOL)
     if bare is None:
         return {}
@@ -68,4 +73,8 @@ def _verdict(tool: Estimate, bare: Estimate) -> Verdict:
     apart = tool.bits - bare.bits
     doubt = float(np.hypot(tool.within, bare.within))
     open_ = doubt > 0 and abs(apart) <= doubt
-    return {"useful": tool.some, "better_than_none": None if open_ else apart > _NOTHING}
+    return {
+        "useful": tool.some,
+        "better_than_none": None if open_ else apart > _NOTHING,
+        "equal": not open_ and abs(apart) <= _NOTHING,
+    }

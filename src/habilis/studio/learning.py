@@ -7,7 +7,8 @@ from typing import Any
 from habilis.extras import check_installed
 from habilis.studio.answering import Pools
 from habilis.studio.clients import Client
-from habilis.studio.messages import Request
+from habilis.studio.limits import LISTED
+from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import StepError
 from habilis.studio.training import Training, Trainings
 
@@ -50,6 +51,27 @@ async def _train(pools: Pools, client: Client, number: int, training: Training) 
         name: curve[name] for name in ("converged_at", "best_return")
     }
     await client.tell(number, share=share, done=done, **curve)
+
+
+async def listed(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
+    """The trainings that there are folders of, whoever began them; damaged ones with the reason."""
+    names = trainings.names()
+    left_out = max(len(names) - LISTED, 0)
+    await client.tell(request.id, names=names[:LISTED], left_out=left_out)
+    for name in names[:LISTED]:
+        under_way = name in trainings.under_way
+        try:
+            folder = str(trainings.folder / name)
+            found = await client.step(pools.learning, "kept", folder=folder)
+        except StepError as error:
+            found = {"error": one_line(error)}
+        await client.tell(request.id, kept={"name": name, "under_way": under_way} | found)
+
+
+async def curve(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
+    """How a training has done so far."""
+    folder = trainings.path(request.values["name"])
+    await client.tell(request.id, **await client.step(pools.learning, "curve", folder=str(folder)))
 
 
 async def run(

@@ -25,3 +25,5 @@ TRAINING = {
     "waiting": 8,
 }
 """Of a training; how many train at once, and how many may wait for that."""
+LISTED = 200
+"""Kept trainings of which a page is told, the latest."""

@@ -13,8 +13,8 @@ measure  scene
          landscape (rows of bits, null where the agent cannot be), least, most,
          seconds; then, tool by tool, averages {tool: bits or null}, within
          {tool: half the width of its 95 % interval, 0 where it is exact} and
-         verdicts {tool: {useful, better_than_none or null: open}}, and `why`
-         where an average is null
+         verdicts {tool: {useful, better_than_none or null: open, equal: as good as
+         none}}, and `why` where an average is null
 landscape  scene, perhaps placement, of things elsewhere than on the map
          landscape, least, most, seconds, as above
 futures  scene, agent [row, column]
@@ -34,6 +34,13 @@ read     scene (of its map alone)
          drawn, and text: the map as text
 stop     (the id is the training's) nothing of its own: the training ends, and
          keeps what it has
+trainings  nothing: which of the server's folders have a training
+         names, the latest first, and left_out, the number of earlier ones; then,
+         one by one, kept {name, under_way, and runs, config, drawn, ended,
+         converged_at or null, best_return or null; or error: what is wrong with
+         its folder}
+curve    name (of a training)
+         curve, episodes, steps, converged_at, best_return, as in train
 run      index, perhaps name (of a training) and placement, in which the episode
          begins
          drawn, policy {episode, cells}, values, episode {placements, actions, values,
@@ -71,6 +78,7 @@ kept, or null).
 """
 
 import json
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
@@ -85,6 +93,7 @@ from habilis.worlds.world import Cell
 ID = "id"
 _LARGEST = 2**53  # whole numbers that JavaScript tells apart
 _LONGEST_ERROR = 400
+_BEGINS_WITH_ID = re.compile(r'\s*\{\s*"id"\s*:\s*(\d{1,16})\s*,')
 _MOST_NAMED = 2 * THINGS + 3
 
 _FIELDS = {  # of each request: what it must have, and what it may have
@@ -96,6 +105,8 @@ _FIELDS = {  # of each request: what it must have, and what it may have
     "step": (("scene", "placement", "action"), ()),
     "train": (("scene", "settings"), ()),
     "stop": ((), ()),
+    "trainings": ((), ()),
+    "curve": (("name",), ()),
     "run": (("index",), ("name", "placement")),
 }
 _SETTINGS = (
@@ -139,13 +150,21 @@ def read(message: Any, tools: Collection[str]) -> Request:
     Raises:
         MessageError: in one line, what is wrong with it.
     """
-    given, number_of = None, None
+    given, number_of = None, _id_of_long(message)
     try:
         given = _object(message)
         number_of = number(ID, given.get(ID), 0, _LARGEST, whole=True)
         return _request(number_of, given, tools)
     except (ValueError, RecursionError) as error:
         raise MessageError(one_line(error), number_of) from None
+
+
+def _id_of_long(message: Any) -> int | None:
+    """The id that a message begins with which is too long to be read: it has an asker, too."""
+    if not isinstance(message, str) or len(message) <= MESSAGE:
+        return None
+    found = _BEGINS_WITH_ID.match(message)
+    return None if found is None or int(found[1]) > _LARGEST else int(found[1])
 
 
 def one_line(error: object) -> str:

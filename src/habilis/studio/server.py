@@ -108,6 +108,10 @@ class Studio:
             work = answering.measure(pools, self.all_tools, client, request)
         elif request.do == "train":
             work = learning.train(pools, trainings, client, request)
+        elif request.do == "trainings":
+            work = learning.listed(pools, trainings, client, request)
+        elif request.do == "curve":
+            work = learning.curve(pools, trainings, client, request)
         elif request.do == "run":
             work = learning.run(pools, trainings, self.run, client, request)
         else:

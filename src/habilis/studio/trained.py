@@ -6,7 +6,14 @@ from typing import Any
 import numpy as np
 
 from habilis.learning.curves import learning_curve
-from habilis.learning.folder import load_latest
+from habilis.learning.checkpoints import checkpoints
+from habilis.learning.folder import (
+    is_finished,
+    load_latest,
+    read_config,
+    read_summary,
+    read_world,
+)
 from habilis.learning.replay import best_return_from, learned, play, table_of
 from habilis.learning.runs import Run
 from habilis.mdp import HELD, LAID
@@ -27,6 +34,26 @@ def described(folder: Path) -> Answer:
         "runs": run.config.runs,
         "drawn": drawn.described(run.world),
         "config": run.config.as_dict(),
+    }
+
+
+def kept(folder: str) -> Answer:
+    """A run's settings, world and outcome, without what takes long to read.
+
+    Raises:
+        ValueError: its files are damaged, or there is nothing to show yet.
+    """
+    path = Path(folder)
+    config, world = read_config(path), read_world(path)
+    ended = is_finished(path)
+    if not ended and not checkpoints(path):
+        raise ValueError("it has no checkpoint yet, so that there is nothing to watch")
+    summary = read_summary(path, config) if ended else {"converged_at": None, "best_return": None}
+    return summary | {
+        "runs": config.runs,
+        "drawn": drawn.described(world),
+        "config": config.as_dict(),
+        "ended": ended,
     }
 
 
@@ -119,5 +146,5 @@ def prepare(background: bool) -> None:
     """Nothing: the imports above are what takes time."""
 
 
-STEPS = {one.__name__: one for one in (curve, view)}
+STEPS = {one.__name__: one for one in (kept, curve, view)}
 """What a process may be asked to do, by name."""

@@ -20,6 +20,7 @@ from habilis.worlds.rules import Grid
 _NICE = 10
 _GRACE = 15  # seconds in which a trainer that is stopped writes its last checkpoint
 _NAME = 4  # random bytes
+_OF_A_RUN = ("config.json", "world.txt", "summary.json")
 _DIED = "the trainer ended unexpectedly; train fewer runs at once, or on a smaller map"
 
 
@@ -74,12 +75,30 @@ class Trainings:
     Attributes:
         folder: in which each has a folder, by its name, and beside it its map. It is made when it
             is first needed.
+        under_way: the names of those that train or wait.
     """
 
     def __init__(self, folder: Path):
         self.folder = folder
         self._places = asyncio.Semaphore(TRAINING["at_once"])
-        self._under_way = 0
+        self.under_way: set[str] = set()
+
+    def names(self) -> list[str]:
+        """The names of the folders that have a run, or what is left of one; the latest first.
+
+        Raises:
+            ValueError: the folder cannot be read.
+        """
+        try:
+            folders = [path for path in self.folder.iterdir() if not path.name.startswith(".")]
+        except FileNotFoundError:  # there is no training yet
+            return []
+        except OSError as error:
+            raise ValueError(f"{self.folder}: cannot be read ({error.strerror})") from None
+        began = {path.name: _began(path) for path in folders}
+        return sorted(
+            (name for name in began if began[name]), key=lambda name: (-began[name], name)
+        )
 
     def path(self, name: str) -> Path:
         """Where a training keeps its run.
@@ -87,10 +106,11 @@ class Trainings:
         Raises:
             ValueError: there is none of that name.
         """
-        path = self.folder / name
-        if not name.isalnum() or not path.is_dir():
-            raise ValueError(f"no training has the name {shown(name)}; use one that it gave")
-        return path
+        if name not in self.names():  # a name from a page never makes a path of its own
+            raise ValueError(
+                f"no training has the name {shown(name)}; use one of those that are listed"
+            )
+        return self.folder / name
 
     @contextlib.contextmanager
     def one(self, scene: Scene, settings: dict[str, Any]) -> Iterator[Training]:
@@ -99,7 +119,7 @@ class Trainings:
         Raises:
             ValueError: what is wrong with its settings, in the trainer's words; or others wait.
         """
-        if self._under_way >= TRAINING["at_once"] + TRAINING["waiting"]:
+        if len(self.under_way) >= TRAINING["at_once"] + TRAINING["waiting"]:
             raise ValueError(f"{TRAINING['waiting']} trainings wait already; try again later")
         check_trainable(scene)
         name = secrets.token_hex(_NAME)
@@ -108,11 +128,11 @@ class Trainings:
         with _writing(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
             drawn.write_text(scene.world.located().text(), "utf-8")
-        self._under_way += 1
+        self.under_way.add(name)
         try:
             yield Training(name, self.folder / name, config, self._places)
         finally:
-            self._under_way -= 1
+            self.under_way.discard(name)
             if not (self.folder / name).exists():  # it came to nothing
                 drawn.unlink(missing_ok=True)
 
@@ -130,6 +150,14 @@ def check_trainable(scene: Scene) -> None:
             f"{world.name}: has up to {placements:,} placements; train on at most "
             f"{TRAINING['placements']:,}: make the map smaller"
         )
+
+
+def _began(folder: Path) -> float:
+    """When a run was begun in a folder; 0 where there is nothing of one."""
+    for name in _OF_A_RUN:
+        with contextlib.suppress(OSError):
+            return (folder / name).stat().st_mtime
+    return 0.0
 
 
 @contextlib.contextmanager
