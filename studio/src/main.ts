@@ -1,7 +1,7 @@
 /** The page: what the server says first decides what there is; then the views share one scene. */
 
 import { createActed } from "./core/acted";
-import { FRESH, fromFragment, toFragment } from "./core/address";
+import { FRESH, fromFragment, toFragment, type Opened } from "./core/address";
 import type { App, View } from "./core/app";
 import { connect, type Status } from "./core/connection";
 import { byId, h } from "./core/elements";
@@ -22,14 +22,23 @@ import "./style/pictures.css";
 import "./style/views.css";
 import "./style/portrait.css";
 
+const VIEWS = ["design", "play", "train", "run"];
+const MOST_FAULTS = 5; // of a link, that are told in a line
+
 let app: App | null = null;
+let views: Record<string, View> = {};
 let status: Status = "connecting";
 let frame: Frame | null = null;
+/** Whether the address has a link that could not be shown whole: it stays until the first change. */
+let held = false;
 
 const connection = connect(
   (hello) => {
     if (app === null) start(hello);
-    else app.measuring.again();
+    else {
+      app.measuring.again();
+      for (const view of Object.values(views)) view.again?.();
+    }
   },
   (next) => {
     status = next;
@@ -41,38 +50,76 @@ byId("app").replaceChildren(h("p", { class: "opening" }, "Opening the studio…"
 
 function start(hello: Hello): void {
   keepShapes(hello.shapes);
-  const said = fromFragment(location.hash, hello);
-  const store = createStore(said?.scene ?? firstScene(hello));
+  const said = fromFragment(location.hash, hello, VIEWS);
+  const store = createStore(said.shown?.scene ?? firstScene(hello));
   const measuring = createMeasuring(connection, store);
   app = { hello, connection, store, measuring, acted: createActed(hello.run) };
-  const views: Record<string, View> = {
+  views = {
     design: createDesign(app),
     play: createPlay(app),
     train: createTrain(app, () => frame?.open("run")),
     run: createRun(app),
   };
-  frame = createFrame(app, views, keepAddress);
+  frame = createFrame(app, views, keepAddress, { address, show: letGo });
   byId("app").replaceChildren(frame.element);
   frame.showStatus(status);
-  frame.open(said?.view ?? (hello.run ? "run" : "design"));
-  store.watch(keepAddress);
+  let opening = true;
+  report(said, hello.run ? "the world of the run" : `the built-in ${firstWorld(hello)}`);
+  frame.open(said.shown?.view ?? (hello.run ? "run" : "design"));
+  store.watch(() => (opening ? keepAddress() : letGo()));
+  opening = false;
   addEventListener("hashchange", () => {
-    const next = fromFragment(location.hash, hello);
-    if (next === null) return;
-    if (toFragment(next.scene, next.view) === toFragment(store.scene(), frame!.view())) return;
-    store.show(next.scene);
-    frame!.open(next.view);
+    const next = fromFragment(location.hash, hello, VIEWS);
+    report(next, "what was shown before");
+    if (next.shown === null) return;
+    const { scene, view } = next.shown;
+    if (toFragment(scene, view) === toFragment(store.scene(), frame!.view())) return;
+    opening = true;
+    store.show(scene);
+    frame!.open(view);
+    opening = false;
   });
 }
 
-/** The link in the address bar always says what is shown. */
+/** Says what of a link cannot be shown, and what is shown in its place. */
+function report({ shown, faults }: Opened, instead: string): void {
+  held = faults.length > 0;
+  const [some, others] = [faults.slice(0, MOST_FAULTS).join("; "), faults.length - MOST_FAULTS];
+  const what = `${some}${others > 0 ? `; and ${others} more` : ""}`;
+  const now = shown === null
+    ? `The link cannot be opened: ${what}. You see ${instead}.`
+    : `Not all of the link can be shown: ${what}.`;
+  frame!.showLink(held ? `${now} The address keeps the link until you change something.` : null);
+}
+
+/** The address of what is shown. */
+function address(): string {
+  const fragment = toFragment(app!.store.scene(), frame!.view());
+  return new URL(`#${fragment}`, location.href).href;
+}
+
+/** The link in the address bar says what is shown, unless it is one that was not understood. */
 function keepAddress(): void {
-  if (app === null || frame === null) return;
-  history.replaceState(null, "", `#${toFragment(app.store.scene(), frame.view())}`);
+  if (app === null || frame === null || held) return;
+  history.replaceState(null, "", address());
+}
+
+/** What is shown is the user's own now; the way back leads to the link that was not understood. */
+function letGo(): void {
+  if (held) {
+    history.pushState(null, "", location.href);
+    held = false;
+    frame?.showLink(null);
+  }
+  keepAddress();
+}
+
+function firstWorld({ worlds }: Hello): string {
+  return "yard" in worlds ? "yard" : Object.keys(worlds)[0]!;
 }
 
 function firstScene(hello: Hello): Scene {
-  const drawn = hello.run?.drawn ?? hello.worlds["yard"] ?? Object.values(hello.worlds)[0]!;
+  const drawn = hello.run?.drawn ?? hello.worlds[firstWorld(hello)]!;
   const world = worldOf(drawn);
   return { ...FRESH, world, bare: !world.tools.length };
 }

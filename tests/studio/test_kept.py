@@ -113,7 +113,7 @@ def test_folders_that_are_damaged_are_listed_with_what_is_wrong(kept, tmp_path):
     assert "config.json: is damaged" in found.pop("config")["error"]
     assert "world.txt: is damaged" in found.pop("world")["error"]
     assert "summary.json: is damaged" in found.pop("summary")["error"]
-    assert "it has no checkpoint yet" in found.pop("begun")["error"]
+    assert "ended before its first checkpoint" in found.pop("begun")["error"]
     assert found.pop("a name\nin two lines")["ended"]
     assert not found
     assert log.read_text() == ""
@@ -161,5 +161,5 @@ def test_trainings_are_in_the_order_in_which_they_were_begun_the_latest_first(tm
         os.utime(tmp_path / name / "config.json", (began, began))
     assert Trainings(tmp_path).names() == ["new", "between", "old"]
     assert Trainings(tmp_path / "none").names() == []
-    with pytest.raises(ValueError, match="old/config.json: cannot be read"):
+    with pytest.raises(ValueError, match=r"config\.json: cannot be read"):
         Trainings(tmp_path / "old" / "config.json").names()

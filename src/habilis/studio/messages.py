@@ -36,9 +36,9 @@ stop     (the id is the training's) nothing of its own: the training ends, and
          keeps what it has
 trainings  nothing: which of the server's folders have a training
          names, the latest first, and left_out, the number of earlier ones; then,
-         one by one, kept {name, under_way, and runs, config, drawn, ended,
-         converged_at or null, best_return or null; or error: what is wrong with
-         its folder}
+         one by one, kept {name, under_way, runs, config, drawn, ended, converged_at
+         or null, best_return or null}, with error where there is nothing to watch,
+         and with nothing but the names and error where its folder is damaged
 curve    name (of a training)
          curve, episodes, steps, converged_at, best_return, as in train
 run      index, perhaps name (of a training) and placement, in which the episode

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from habilis.learning.curves import learning_curve
 from habilis.learning.checkpoints import checkpoints
+from habilis.learning.curves import learning_curve
 from habilis.learning.folder import (
     is_finished,
     load_latest,
@@ -41,15 +41,18 @@ def kept(folder: str) -> Answer:
     """A run's settings, world and outcome, without what takes long to read.
 
     Raises:
-        ValueError: its files are damaged, or there is nothing to show yet.
+        ValueError: its files are damaged.
     """
     path = Path(folder)
     config, world = read_config(path), read_world(path)
     ended = is_finished(path)
-    if not ended and not checkpoints(path):
-        raise ValueError("it has no checkpoint yet, so that there is nothing to watch")
-    summary = read_summary(path, config) if ended else {"converged_at": None, "best_return": None}
-    return summary | {
+    if ended:
+        outcome = read_summary(path, config)
+    else:
+        outcome = {"converged_at": None, "best_return": None}
+        if not checkpoints(path):
+            outcome["error"] = "ended before its first checkpoint: there is nothing to watch"
+    return outcome | {
         "runs": config.runs,
         "drawn": drawn.described(world),
         "config": config.as_dict(),

@@ -2,7 +2,7 @@
 
 import type { ActionSet, Sensor } from "./protocol";
 import { ACTION_SETS, NO_TOOL, SENSORS, toolOf, type Scene } from "./scene";
-import { standing, thingAt, type Thing, type Tool, type World } from "./world";
+import { standing, thingAt, type Standing, type Thing, type Tool, type World } from "./world";
 
 export const FRESH: Omit<Scene, "world" | "bare"> = {
   sensor: "object",
@@ -17,8 +17,26 @@ export const FRESH: Omit<Scene, "world" | "bare"> = {
 export interface Known {
   readonly tools: readonly string[];
   readonly objects: readonly string[];
-  readonly limits: { readonly side: readonly [number, number]; readonly things: number };
+  readonly limits: {
+    readonly side: readonly [number, number];
+    readonly things: number;
+    readonly horizon: number;
+    readonly slip: number;
+  };
 }
+
+/** What a link says, as far as it can be read. */
+export interface Opened {
+  /** Null where there is no link, or its map cannot be read. */
+  readonly shown: { readonly scene: Scene; readonly view: string } | null;
+  /** What is wrong with it. */
+  readonly faults: readonly string[];
+}
+
+const FIELDS = ["w", "t", "m", "o", "f", "d", "s", "n", "c", "h", "x", "p", "v"];
+const FIRST_OBJECT = "can";
+const FIRST_VIEW = "design";
+const LONGEST = 40; // characters of a link that are quoted
 
 /** What comes after the `#`; what is as in a fresh page is left out. */
 export function toFragment(scene: Scene, view: string): string {
@@ -37,49 +55,95 @@ export function toFragment(scene: Scene, view: string): string {
   if (scene.horizon !== FRESH.horizon) parts.push(`h=${scene.horizon}`);
   if (scene.actions !== FRESH.actions) parts.push(`x=${scene.actions}`);
   if (scene.slip !== FRESH.slip) parts.push(`p=${scene.slip}`);
-  if (view !== "design") parts.push(`v=${view}`);
+  if (view !== FIRST_VIEW) parts.push(`v=${view}`);
   return parts.join("&");
 }
 
-/** The scene and the view that a fragment says, or null if it is none of ours. */
-export function fromFragment(fragment: string, known: Known): { scene: Scene; view: string } | null {
+/** The scene and the view that a fragment says, and what of it cannot be shown. */
+export function fromFragment(fragment: string, known: Known, views: readonly string[]): Opened {
   const said = new URLSearchParams(fragment.replace(/^#/, ""));
-  const world = worldOf(said, known);
-  if (world === null) return null;
-  const number = (name: string, fresh: number, most: number) => {
-    const value = Number(said.get(name) ?? fresh);
-    return Number.isFinite(value) ? Math.min(Math.max(value, 0), most) : fresh;
+  const names = [...said.keys()];
+  if (!names.length) return { shown: null, faults: [] };
+  if (!names.some((name) => FIELDS.includes(name))) {
+    return { shown: null, faults: [`${quoted(fragment)} is not a link of the studio`] };
+  }
+  const faults: string[] = [];
+  for (const name of new Set(names)) {
+    if (!FIELDS.includes(name)) faults.push(`its field ${quoted(name)} is unknown`);
+    else if (said.getAll(name).length > 1) faults.push(`it has ${name} more than once, and the first is used`);
+  }
+  try {
+    return { shown: read(said, known, views, faults), faults };
+  } catch (error) {
+    if (!(error instanceof Unreadable)) throw error;
+    return { shown: null, faults: [error.message] };
+  }
+}
+
+/** A link without a map that can be shown. */
+class Unreadable extends Error {}
+
+/** The scene of a link that has a map; what else is wrong goes to `faults`. */
+function read(said: URLSearchParams, known: Known, views: readonly string[], faults: string[]): { scene: Scene; view: string } {
+  const { limits } = known;
+  const { world, complete } = worldOf(said, known, faults);
+  const bare = !world.tools.length || (said.get("t") ?? NO_TOOL) === NO_TOOL;
+  const one = <Name extends string>(what: string, name: string, of: readonly string[], fresh: Name): Name => {
+    const value = said.get(name) ?? fresh;
+    if (of.includes(value)) return value as Name;
+    faults.push(`its ${what} ${quoted(value)} is unknown, and ${fresh} is used`);
+    return fresh;
   };
-  const one = <Name extends string>(name: string, of: object, fresh: Name): Name => {
-    const value = said.get(name);
-    return value !== null && Object.hasOwn(of, value) ? (value as Name) : fresh;
-  };
-  const count = world.height * world.width;
-  const bare = !world.tools.length || !known.tools.includes(said.get("t") ?? "") || said.get("t") === NO_TOOL;
-  const sensor = one<Sensor>("s", SENSORS, FRESH.sensor);
-  const among = sensor === "tool" ? world.tools : world.objects;
+  const number = (what: string, name: string, fresh: number, most: number, whole: boolean) =>
+    numberOf(what, said.get(name), fresh, most, whole, faults);
+
+  let sensor = one<Sensor>("sensor", "s", Object.keys(SENSORS), FRESH.sensor);
+  let thing = 0;
+  if (!complete && (sensor === "tool" || said.get("n") !== null)) {
+    faults.push("what it senses may have been left out, and the first object is sensed");
+    sensor = FRESH.sensor;
+  } else if (bare && sensor === "tool") {
+    faults.push("it senses a tool without having one, and the object is sensed");
+    sensor = FRESH.sensor;
+  } else {
+    const among = sensor === "tool" ? world.tools : world.objects;
+    thing = number("sensed thing", "n", 0, among.length - 1, true);
+  }
+  const cells = (said.get("c") ?? "").split(".").filter(Boolean);
+  const there = (cell: string) => /^\d+$/.test(cell) && Number(cell) < world.height * world.width;
+  const beyond = cells.find((cell) => !there(cell));
+  if (beyond !== undefined) faults.push(`its chosen cell ${quoted(beyond)} is not on the map, and is left out`);
   return {
     scene: {
       world,
       bare,
-      sensor: bare && sensor === "tool" ? FRESH.sensor : sensor,
-      thing: Math.round(number("n", 0, Math.max(among.length - 1, 0))),
-      cells: (said.get("c") ?? "")
-        .split(".")
-        .filter((part) => /^\d+$/.test(part) && Number(part) < count)
-        .map(Number),
-      horizon: Math.round(number("h", FRESH.horizon, 10)),
-      actions: one<ActionSet>("x", ACTION_SETS, FRESH.actions),
-      slip: number("p", FRESH.slip, 0.5),
+      sensor,
+      thing,
+      cells: [...new Set(cells.filter(there).map(Number))],
+      horizon: number("horizon", "h", FRESH.horizon, limits.horizon, true),
+      actions: one<ActionSet>("set of actions", "x", Object.keys(ACTION_SETS), FRESH.actions),
+      slip: number("slip", "p", FRESH.slip, limits.slip, false),
     },
-    view: said.get("v") ?? "design",
+    view: one("view", "v", views, FIRST_VIEW),
   };
 }
 
-const FIRST_OBJECT = "can";
+/** A number from 0 to `most`: what is too large is the most, and what is none `fresh`. */
+function numberOf(
+  what: string, text: string | null, fresh: number, most: number, whole: boolean, faults: string[],
+): number {
+  if (text === null) return fresh;
+  const value = /^\d+(\.\d+)?(e-?\d+)?$/i.test(text) ? Number(text) : NaN;
+  const sound = Number.isNaN(value) || (whole && !Number.isInteger(value)) ? fresh : Math.min(value, most);
+  if (sound !== value) {
+    faults.push(`its ${what} ${quoted(text)} is not a ${whole ? "whole " : ""}number from 0 to ${most}, and ${sound} is used`);
+  }
+  return sound;
+}
 
+/** As in `m=rake@12*0.1,ball@30>44`. A name may have any character in it: a path, say. */
 const toolCode = ({ kind, cell, slip }: Tool) =>
-  `${encodeURIComponent(kind)}@${cell}${slip ? `*${slip}` : ""}`;
+  `${encodeURIComponent(encodeURIComponent(kind))}@${cell}${slip ? `*${slip}` : ""}`;
 const thingCode = ({ kind, cell, goal }: Thing) => `${kind}@${cell}${goal === null ? "" : `>${goal}`}`;
 
 function worldCode(world: World): string {
@@ -88,39 +152,86 @@ function worldCode(world: World): string {
   return [`${world.height}x${world.width}`, bitsCode(world.walls), ...places].join(".");
 }
 
-function worldOf(said: URLSearchParams, { tools, objects, limits }: Known): World | null {
-  const [size = "", bits = "", ...places] = (said.get("w") ?? "").split(".");
+/** The map of a link, and whether all of its things are on it. */
+function worldOf(
+  said: URLSearchParams, { tools, objects, limits }: Known, faults: string[],
+): { world: World; complete: boolean } {
+  const code = said.get("w");
+  if (code === null) throw new Unreadable("it has no map (its field w)");
+  const [size = "", bits = "", ...places] = code.split(".");
+  const [, height, width] = (/^(\d+)x(\d+)$/.exec(size) ?? []).map(Number);
+  const damaged = new Unreadable(`its map ${quoted(code)} is damaged`);
+  if (height === undefined || width === undefined) throw damaged;
   const [least, most] = limits.side;
-  const [height = 0, width = 0] = size.split("x").map(Number);
-  const fits = (side: number) => Number.isInteger(side) && side >= least && side <= most;
-  if (!fits(height) || !fits(width) || places.length !== 4) return null;
-  const walls = bitsOf(bits, height * width);
-  if (walls === null) return null;
-  const [agent, tool, cell, goal] = places.map((place) => (place === "-" ? null : Number(place)));
-  if (agent === null || cell === null || goal === null) return null;
-  const kind = said.get("t") ?? NO_TOOL;
-  const usual = tools.includes(kind) && kind !== NO_TOOL ? kind : tools[0]!;
-  const slip = (value: string | undefined) => Math.min(Math.max(Number(value) || 0, 0), 1);
-  const drawn = { tools: [] as Tool[], objects: [] as Thing[] };
-  if (tool !== null) drawn.tools.push({ kind: usual, cell: tool!, slip: slip(said.get("f") ?? "") });
-  const first = said.get("o") ?? FIRST_OBJECT;
-  if (!objects.includes(first)) return null;
-  drawn.objects.push({ kind: first, cell: cell!, goal: goal! });
-  for (const code of (said.get("m") ?? "").split(",").filter(Boolean)) {
-    const [, name = "", at, fails, to] = /^([^@]+)@(\d+)(?:\*([\d.]+))?(?:>(\d+))?$/.exec(code) ?? [];
-    if (objects.includes(name)) {
-      drawn.objects.push({ kind: name, cell: Number(at), goal: to === undefined ? null : Number(to) });
-    } else if (tools.includes(name)) drawn.tools.push({ kind: name, cell: Number(at), slip: slip(fails) });
-    else return null;
+  if (Math.min(height, width) < least || Math.max(height, width) > most) {
+    throw new Unreadable(`its map has ${size.replace("x", " × ")} cells, and a map has ${least} to ${most} a side`);
   }
-  if (Math.max(drawn.tools.length, drawn.objects.length) > limits.things) return null;
-  const drop = said.get("d") === "1";
-  const world: World = { height, width, walls, agent: agent!, ...drawn, drop };
-  const sound = standing(world).every(([thing, at]) => {
+  const walls = bitsOf(bits, height * width);
+  if (walls === null || places.length !== 4) throw damaged;
+  if (!places.every((place, k) => /^\d+$/.test(place) || (k === 1 && place === "-"))) throw damaged;
+  const [agent, tool, cell, goal] = places.map(Number) as [number, number, number, number];
+
+  const drawn = { tools: [] as Tool[], objects: [] as Thing[] };
+  const slip = (text: string | null) => numberOf("tool's slip", text, 0, 1, false, faults);
+  let complete = true;
+  const leaveOut = (kind: string, what: string) => {
+    faults.push(`its ${what} ${quoted(kind)} is not known here, and is left out${kind.includes(":") ? " (start the studio with --tool)" : ""}`);
+    complete = false;
+  };
+  const kind = said.get("t");
+  if (kind === null) faults.push("it does not say which tool is used (its field t)");
+  if (!Number.isNaN(tool)) {
+    // Of a tool that the agent does not have, the link does not say the kind.
+    const own = kind === null || kind === NO_TOOL ? tools[0]! : kind;
+    if (tools.includes(own)) drawn.tools.push({ kind: own, cell: tool, slip: slip(said.get("f")) });
+    else leaveOut(own, "tool");
+  } else if (kind !== null && !tools.includes(kind)) leaveOut(kind, "tool");
+  const first = said.get("o") ?? FIRST_OBJECT;
+  if (!objects.includes(first)) throw new Unreadable(`its object ${quoted(first)} is not known here`);
+  drawn.objects.push({ kind: first, cell, goal });
+  for (const part of (said.get("m") ?? "").split(",").filter(Boolean)) {
+    const [, name, at, fails, to] = /^(.+)@(\d+)(?:\*([^>]*))?(?:>(\d+))?$/.exec(part) ?? [];
+    const kind = decoded(name ?? "");
+    if (!kind) throw new Unreadable(`its thing ${quoted(part)} is damaged`);
+    if (objects.includes(kind) && fails === undefined) {
+      drawn.objects.push({ kind, cell: Number(at), goal: to === undefined ? null : Number(to) });
+    } else if (tools.includes(kind) && kind !== NO_TOOL && to === undefined) {
+      drawn.tools.push({ kind, cell: Number(at), slip: slip(fails ?? null) });
+    } else leaveOut(kind, "tool or object");
+  }
+  const count = Math.max(drawn.tools.length, drawn.objects.length);
+  if (count > limits.things) throw new Unreadable(`its map has ${count} tools or objects, and a map has up to ${limits.things}`);
+  const drop = said.get("d") ?? "0";
+  if (drop !== "0" && drop !== "1") faults.push(`its field d is ${quoted(drop)}, not 1, and tools are not put down`);
+  const world: World = { height, width, walls, agent, ...drawn, drop: drop === "1" };
+  for (const [thing, at] of standing(world)) {
     const there = thingAt(world, at);
-    return walls[at] === false && there?.what === thing.what && there.of === thing.of;
-  });
-  return sound ? world : null;
+    if (walls[at] === undefined) throw new Unreadable(`${wordFor(thing, world)} of its map is not on it`);
+    if (walls[at]) throw new Unreadable(`${wordFor(thing, world)} of its map is in a wall`);
+    if (there?.what !== thing.what || there.of !== thing.of) {
+      throw new Unreadable(`${wordFor(thing, world)} of its map is in the cell of ${wordFor(there!, world)}`);
+    }
+  }
+  return { world, complete };
+}
+
+function wordFor({ what, of }: Standing, { tools, objects }: World): string {
+  if (what === "agent") return "the agent";
+  if (what === "goal") return `the bin of the ${objects[of]!.kind}`;
+  return `the ${(what === "tool" ? tools : objects)[of]!.kind}`;
+}
+
+/** What somebody else may have written, cut to what can be read in a line. */
+function quoted(text: string): string {
+  return `“${text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text}”`;
+}
+
+function decoded(text: string): string {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return "";
+  }
 }
 
 function bitsCode(bits: readonly boolean[]): string {

@@ -19,4 +19,6 @@ export interface View {
   readonly element: HTMLElement;
   entered?(): void;
   left?(): void;
+  /** The line to the server, which was lost, is there again. */
+  again?(): void;
 }

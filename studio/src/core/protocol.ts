@@ -47,7 +47,15 @@ export interface Hello {
   tools: string[];
   objects: string[];
   actions: string[];
-  limits: { side: [number, number]; things: number; horizon: number; slip: number; training: TrainingLimits };
+  limits: {
+    side: [number, number];
+    things: number;
+    horizon: number;
+    slip: number;
+    /** Characters. */
+    message: number;
+    training: TrainingLimits;
+  };
   training: Offered;
   shapes: Record<string, Drawing>;
   run: RunAbout | null;
@@ -87,7 +95,7 @@ export interface TrainingLimits {
 /** A trained run that the server can act out. */
 export interface RunAbout {
   name: string;
-  /** By which a training of this visit is asked for; none of the folder's own run. */
+  /** By which a training is asked for; none of the folder's own run. */
   asked?: string;
   runs: number;
   drawn: Drawn;
@@ -110,6 +118,8 @@ export interface Verdict {
   useful: boolean;
   /** Null where estimates leave it open. */
   better_than_none: boolean | null;
+  /** As much as with none. */
+  equal: boolean;
 }
 
 export interface LandscapeAnswer extends Common {
@@ -173,6 +183,27 @@ export interface TrainAnswer extends Common {
   steps_per_second?: number;
   best_return?: number;
   done?: { name: string; runs: number; converged_at: (number | null)[]; best_return: number };
+}
+
+export interface TrainingsAnswer extends Common {
+  /** Of all that are listed, the latest first. */
+  names?: string[];
+  /** How many earlier ones are not. */
+  left_out?: number;
+  kept?: KeptTraining;
+}
+
+/** A training that the server has a folder of; what is wrong with it, or the rest. */
+export interface KeptTraining {
+  name: string;
+  under_way: boolean;
+  error?: string;
+  runs?: number;
+  config?: Record<string, unknown>;
+  drawn?: Drawn;
+  ended?: boolean;
+  converged_at?: (number | null)[] | null;
+  best_return?: number | null;
 }
 
 export interface RunAnswer extends Common {

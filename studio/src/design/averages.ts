@@ -64,8 +64,13 @@ function inWords(bits: number, about: number): string {
   return about > 0.005 ? `≈ ${bits.toFixed(2)}` : bits.toFixed(2);
 }
 
+/** A difference; one that is too small for two digits is none of 0. */
+function inBits(apart: number): string {
+  return apart < 0.005 ? "less than 0.01 bits" : `${apart.toFixed(2)} bits`;
+}
+
 function kindOf(verdict: Verdict | undefined): string {
-  if (!verdict) return "none";
+  if (!verdict || verdict.equal) return "none";
   if (!verdict.useful) return "useless";
   if (verdict.better_than_none === null) return "none";
   return verdict.better_than_none ? "useful" : "encumbers";
@@ -81,15 +86,21 @@ function sentence(
   const [own, bare] = [averages[tool], averages[NO_TOOL]];
   if (tool === NO_TOOL) return ["Choose a tool to see whether it would help."];
   if (!verdict || own == null || bare == null) return [];
+  if (verdict.equal) {
+    const why = verdict.useful
+      ? "as much can be done as with bare hands"
+      : `neither with it nor with bare hands can anything be done to the ${object}`;
+    return [h("strong", {}, `The ${name} makes no difference`), `: ${why}.`];
+  }
   if (!verdict.useful) {
     return [h("strong", {}, `The ${name} is useless here`), `: with it, nothing can be done to the ${object}.`];
   }
   if (verdict.better_than_none === null) {
     return [h("strong", {}, "Too close to call"), `: about as much as with bare hands.`];
   }
-  const apart = Math.abs(own - bare).toFixed(2);
+  const apart = inBits(Math.abs(own - bare));
   if (verdict.better_than_none) {
-    return [h("strong", {}, `The ${name} helps`), `: ${apart} bits more than with bare hands.`];
+    return [h("strong", {}, `The ${name} helps`), `: ${apart} more than with bare hands.`];
   }
-  return [h("strong", {}, `The ${name} encumbers`), `: ${apart} bits less than with bare hands.`];
+  return [h("strong", {}, `The ${name} encumbers`), `: ${apart} less than with bare hands.`];
 }

@@ -8,7 +8,10 @@ import { drawnOf, worldOf } from "../core/world";
 import { openDialog } from "../frame/dialog";
 import { button, notice } from "../frame/widgets";
 
-export function openMapText({ connection, store }: App): void {
+const BYTES = 4; // of a character at most
+const AROUND = 100; // characters of a message that are not the map's
+
+export function openMapText({ hello, connection, store }: App): void {
   const { world, bare } = store.scene();
   const area = h("textarea", { id: "text", spellcheck: "false", "aria-label": "Map text" });
   const holds = (lines: number) => (area.rows = Math.min(Math.max(lines, 8), 22));
@@ -31,8 +34,17 @@ export function openMapText({ connection, store }: App): void {
     holds(area.value.split("\n").length + 1);
   });
 
+  /** What is wrong with text that is too long to be sent, whatever it is; the field keeps it. */
+  function tooLong(what: string, text: string): string {
+    const [is, most] = [JSON.stringify(text).length, hello.limits.message - AROUND];
+    if (is <= most) return "";
+    const twice = is > text.length + 2 ? `, which count as ${count(is)}, for a line break counts twice` : "";
+    return `${what} has ${count(text.length)} characters${twice}; the studio takes up to ${count(most)}. Shorten it: a map has at most ${hello.limits.side[1]} rows of ${hello.limits.side[1]}.`;
+  }
+
   function takeIn(): void {
-    fault.textContent = "";
+    fault.textContent = tooLong("The text", area.value);
+    if (fault.textContent) return;
     read({ map: area.value }, ({ drawn }) => {
       const taken = worldOf(drawn);
       const scene = { ...store.scene(), world: taken, bare: !taken.tools.length };
@@ -52,9 +64,28 @@ export function openMapText({ connection, store }: App): void {
     URL.revokeObjectURL(link.href);
   });
   const file = h("input", { type: "file", accept: ".txt,text/plain", hidden: true });
-  file.addEventListener("change", async () => {
-    area.value = (await file.files?.[0]?.text()) ?? area.value;
-  });
+  file.addEventListener("change", () => void open());
+
+  /** Takes the text of a file, unless it is none of a map: then what the field has stays. */
+  async function open(): Promise<void> {
+    const chosen = file.files?.[0];
+    if (chosen === undefined) return;
+    const name = `The file ${chosen.name}`;
+    try {
+      if (chosen.size > BYTES * hello.limits.message) {
+        fault.textContent = `${name} has ${count(chosen.size)} bytes; the studio takes up to ${count(hello.limits.message - AROUND)} characters.`;
+        return;
+      }
+      const text = await chosen.text();
+      fault.textContent = tooLong(name, text);
+      if (!fault.textContent) area.value = text;
+    } catch (error) {
+      fault.textContent = `${name} cannot be read (${String(error)}).`;
+    } finally {
+      file.value = ""; // so that the same file can be chosen again
+    }
+  }
+
   const close = openDialog(
     "Map text",
     h(
@@ -75,3 +106,5 @@ export function openMapText({ connection, store }: App): void {
     ),
   );
 }
+
+const count = (value: number) => value.toLocaleString("en-GB");

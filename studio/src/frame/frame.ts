@@ -12,6 +12,16 @@ export interface Frame {
   view(): string;
   open(view: string): void;
   showStatus(status: Status): void;
+  /** A line below the tabs about the link that was opened; null takes it away. */
+  showLink(words: string | null): void;
+}
+
+/** The link to what is shown. */
+export interface Link {
+  /** Where it is. */
+  address(): string;
+  /** Has it in the address bar. */
+  show(): void;
 }
 
 const IDEA = "Empowerment: how many different futures an agent can choose among.";
@@ -25,6 +35,7 @@ export function createFrame(
   { hello, store }: App,
   views: Record<string, View>,
   onView: () => void,
+  link: Link,
 ): Frame {
   const names = Object.keys(views);
   let current = "";
@@ -76,9 +87,10 @@ export function createFrame(
 
   async function share(): Promise<void> {
     try {
-      await navigator.clipboard.writeText(location.href);
+      await navigator.clipboard.writeText(link.address());
       notice("The link to exactly this is copied");
     } catch {
+      link.show();
       notice("The link to exactly this is in the address bar");
     }
   }
@@ -97,7 +109,14 @@ export function createFrame(
     }
   });
 
-  const element = h(
+  const words = h("span", {});
+  const banner = h(
+    "div",
+    { class: "banner", id: "link-fault", role: "alert", hidden: true },
+    words,
+    iconButton("close", "Hide this", () => (banner.hidden = true)),
+  );
+  const element: HTMLElement = h(
     "div",
     { class: "frame" },
     h(
@@ -114,6 +133,7 @@ export function createFrame(
         iconButton("help", "What is this? (?)", () => openHelp(hello), "help"),
       ),
     ),
+    banner,
     h("main", {}, ...panels),
   );
   return {
@@ -123,6 +143,10 @@ export function createFrame(
     showStatus(status) {
       line.textContent = STATUS[status];
       line.hidden = status === "open";
+    },
+    showLink(said) {
+      words.textContent = said ?? "";
+      banner.hidden = said === null;
     },
   };
 }

@@ -233,8 +233,8 @@ export function createRun({ hello, connection, acted }: App): View {
   const empty = h(
     "div",
     { class: "nothing" },
-    h("h2", {}, "Nothing has been trained yet"),
-    h("p", {}, "Train an agent in this page, or start the studio with a folder that habilis train wrote:"),
+    h("h2", {}, "There is no agent to watch yet"),
+    h("p", {}, "Train an agent in this page, press Watch beside one of an earlier training there, or start the studio with a folder that habilis train wrote:"),
     h("code", {}, "habilis studio FOLDER"),
   );
   const element = h("div", { class: "run-place" }, empty, full);

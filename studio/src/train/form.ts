@@ -3,8 +3,8 @@
 import type { App } from "../core/app";
 import { h } from "../core/elements";
 import type { Offered, Settings } from "../core/protocol";
-import { toolOf, toolsOf, type Scene } from "../core/scene";
-import { namesOf, several } from "../core/world";
+import { NO_TOOL, toolsOf, type Scene } from "../core/scene";
+import { namesOf, several, type World } from "../core/world";
 import { field, numberField, offer, select } from "../frame/widgets";
 
 const NONE = "none"; // no intrinsic reward
@@ -12,11 +12,12 @@ const NONE = "none"; // no intrinsic reward
 export function createForm({ hello, store }: App): { element: HTMLElement; settings: () => Settings } {
   const limits = hello.limits.training;
   const { first, ...offered } = hello.training;
-  const intrinsic = select("Intrinsic reward", intrinsics(hello.training, store.scene()), show);
+  const choicesIn = (scene: Scene) => intrinsics(hello.training, { ...scene.world, tools: toolsOf(scene) });
+  const intrinsic = select("Intrinsic reward", choicesIn(store.scene()), show);
   intrinsic.id = "intrinsic";
   intrinsic.value = first.intrinsic;
   store.watch((scene) => {
-    const choices = intrinsics(hello.training, scene);
+    const choices = choicesIn(scene);
     const chosen = intrinsic.value;
     offer(intrinsic, choices);
     intrinsic.value = chosen in choices ? chosen : Object.keys(choices)[1]!;
@@ -63,27 +64,28 @@ export function createForm({ hello, store }: App): { element: HTMLElement; setti
 }
 
 /** The intrinsic rewards that there are in a world: of several objects of each, and of all. */
-function intrinsics({ intrinsic }: Offered, scene: Scene): Record<string, string> {
-  const tools = toolsOf(scene);
-  if (!several({ ...scene.world, tools })) return intrinsic;
+function intrinsics({ intrinsic }: Offered, world: World): Record<string, string> {
+  if (!several(world)) return intrinsic;
   const over = (sensor: string, names: string[]) =>
     names.map((name) => [`${sensor}:${name}`, `Empowerment over the ${name}`] as const);
-  const objects = over("object", namesOf(scene.world.objects));
+  const objects = over("object", namesOf(world.objects));
   const all = objects.map(([sensor]) => sensor);
   const { none, object, tool, ...others } = intrinsic;
   return Object.fromEntries([
     ["none", none!],
     ...objects,
     ...(all.length > 1 ? [[all.join("+"), "Sum over all objects"], [all.join("*"), "Product over all objects"]] : []),
-    ...over("tool", namesOf(tools)),
+    ...over("tool", namesOf(world.tools)),
     ...Object.entries(others),
   ]) as Record<string, string>;
 }
 
-/** What tells a training from others, in a few words. */
-export function summary(offered: Offered, settings: Settings, scene: Scene): string {
-  const { horizon, beta, seed } = settings;
-  const reward = settings.intrinsic === NONE ? "no intrinsic reward" : intrinsics(offered, scene)[settings.intrinsic];
-  const details = [horizon ? `h ${horizon}` : "", beta ? `β ${beta}` : "", toolOf(scene) ?? "several tools"];
-  return [reward, ...details, offered.algorithms[settings.algorithm], `seed ${seed}`].filter(Boolean).join(", ");
+/** What tells a training from others, in a few words; its world has the tools that were used. */
+export function summary(offered: Offered, settings: Settings, world: World): string {
+  const { horizon, beta, seed, algorithm } = settings;
+  const named = intrinsics(offered, world)[settings.intrinsic] ?? settings.intrinsic;
+  const reward = settings.intrinsic === NONE ? "no intrinsic reward" : named;
+  const tool = world.tools.length > 1 ? "several tools" : (world.tools[0]?.kind ?? NO_TOOL);
+  const details = [horizon ? `h ${horizon}` : "", beta ? `β ${beta}` : "", tool];
+  return [reward, ...details, offered.algorithms[algorithm] ?? algorithm, `seed ${seed}`].filter(Boolean).join(", ");
 }

@@ -1,16 +1,21 @@
-/** The trainings of this visit: begun, followed as they stream in, stopped, compared. */
+/** The trainings of this page, followed as they stream in, and those that the server has kept. */
 
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
-import type { CurveData, SceneMessage, Settings, TrainAnswer } from "../core/protocol";
+import type {
+  CurveData, Drawn, KeptTraining, Settings, TrainAnswer, TrainingsAnswer,
+} from "../core/protocol";
 import { message, NO_TOOL } from "../core/scene";
+import { worldOf } from "../core/world";
 import { summary } from "./form";
 
 export interface Training {
-  readonly id: number;
-  readonly label: string;
-  readonly settings: Settings;
-  readonly scene: SceneMessage;
+  /** Whether it was begun on this page. */
+  readonly own: boolean;
+  label: string;
+  runs: number;
+  drawn: Drawn | null;
+  config: Record<string, unknown>;
   /** That of its folder. */
   name: string | null;
   curve: CurveData | null;
@@ -18,8 +23,13 @@ export interface Training {
   steps: number;
   episodes: number;
   best: number | null;
-  done: TrainAnswer["done"] | null;
+  /** Each run's episodes to convergence; null while it trains, and where it has not come to its end. */
+  converged: (number | null)[] | null;
+  /** Whether there is something to watch, and nothing more to come to this page. */
+  done: boolean;
   stopped: boolean;
+  /** Whether it trains, for another page. */
+  elsewhere: boolean;
   error: string | null;
   /** Which of the chart's two lines it is, if it is drawn. */
   line: 0 | 1 | null;
@@ -28,19 +38,34 @@ export interface Training {
 export interface Trainings {
   all(): readonly Training[];
   running(): Training | null;
+  /** How many earlier ones are not listed. */
+  leftOut(): number;
+  /** Why those that are kept cannot be listed. */
+  fault(): string;
   begin(settings: Settings): void;
   stop(): void;
   toggle(training: Training): void;
   /** Makes this the run that is acted out. */
   watch(training: Training): void;
+  /** Asks the server which it has kept. */
+  list(): void;
 }
+
+const NOTHING = {
+  runs: 0, drawn: null, config: {}, name: null, curve: null, share: 0, steps: 0, episodes: 0, best: null,
+  converged: null, done: false, stopped: false, elsewhere: false, error: null, line: null,
+} as const;
 
 export function createTrainings(app: App, onChange: () => void): Trainings {
   const { connection, store, acted } = app;
-  const trainings: Training[] = [];
+  let trainings: Training[] = [];
   let asked: Asked | null = null;
+  let listing: Asked | null = null;
+  let reading: Training | null = null; // whose curve is asked for
+  let leftOut = 0;
+  let fault = "";
 
-  const running = () => trainings.find(({ done, error }) => !done && error === null) ?? null;
+  const running = () => trainings.find(({ own, done, error }) => own && !done && error === null) ?? null;
 
   /** Gives it a line; with two drawn, the older of them leaves. */
   function draw(training: Training): void {
@@ -50,35 +75,40 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     training.line = taken === 0 ? 1 : 0;
   }
 
-  function watch({ label, done, settings, scene }: Training): void {
-    if (!done || acted.current()?.asked === done.name) return;
-    const { runs } = settings;
-    const drawn = scene.tool === NO_TOOL ? { ...scene.drawn, tools: [] } : scene.drawn;
-    acted.show({ name: label, asked: done.name, runs, drawn, config: { ...settings } });
+  function watch({ label, name, done, runs, drawn, config }: Training): void {
+    if (!done || name === null || drawn === null || acted.current()?.asked === name) return;
+    acted.show({ name: label, asked: name, runs, drawn, config });
+  }
+
+  function take(training: Training, answer: TrainAnswer): void {
+    training.curve = answer.curve ?? training.curve;
+    training.steps = answer.steps ?? training.steps;
+    training.episodes = answer.episodes ?? training.episodes;
+    training.best = answer.best_return ?? training.best;
   }
 
   function begin(settings: Settings): void {
     const scene = message(store.scene());
+    const drawn = scene.tool === NO_TOOL ? { ...scene.drawn, tools: [] } : scene.drawn;
     const training: Training = {
-      id: trainings.length + 1,
-      label: summary(app.hello.training, settings, store.scene()),
-      settings, scene, name: null,
-      curve: null, share: 0, steps: 0, episodes: 0, best: null, done: null, stopped: false,
-      error: null, line: null,
+      ...NOTHING,
+      own: true,
+      label: summary(app.hello.training, settings, worldOf(drawn)),
+      runs: settings.runs, drawn, config: { ...settings },
     };
     trainings.push(training);
     draw(training);
     asked = connection.ask<TrainAnswer>("train", { scene, settings }, (answer) => {
-      if (answer.error !== undefined) training.error = answer.error;
       training.name = answer.name ?? training.name;
-      if (answer.curve) training.curve = answer.curve;
-      if (answer.error !== undefined && training.curve === null) training.line = null;
+      take(training, answer);
       training.share = answer.share ?? answer.progress ?? training.share;
-      training.steps = answer.steps ?? training.steps;
-      training.episodes = answer.episodes ?? training.episodes;
-      training.best = answer.best_return ?? training.best;
+      if (answer.error !== undefined) {
+        training.error = answer.error;
+        if (training.curve === null) training.line = null;
+        list(); // something of it may be kept
+      }
       if (answer.done) {
-        training.done = answer.done;
+        [training.done, training.converged] = [true, answer.done.converged_at];
         asked?.forget();
         watch(training);
       }
@@ -87,11 +117,79 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     onChange();
   }
 
+  function list(): void {
+    listing?.forget();
+    listing = connection.ask<TrainingsAnswer>("trainings", {}, (answer) => {
+      if (answer.lost) return;
+      fault = answer.error ?? "";
+      if (answer.names) arrange(answer.names, answer.left_out ?? 0);
+      if (answer.kept) add(answer.kept);
+      onChange();
+    });
+  }
+
+  /** In the order of the server, what has just begun last. */
+  function arrange(names: readonly string[], others: number): void {
+    leftOut = others;
+    const age = ({ name }: Training) => (name === null ? -1 : names.indexOf(name));
+    trainings = trainings
+      .filter((training) => training.own || age(training) >= 0)
+      .sort((one, other) => age(other) - age(one));
+    for (const name of names.toReversed()) {
+      if (trainings.some((training) => training.name === name)) continue;
+      const later = trainings.findIndex((training) => age(training) < names.indexOf(name));
+      trainings.splice(later < 0 ? trainings.length : later, 0, {
+        ...NOTHING, own: false, name, label: "…",
+      });
+    }
+  }
+
+  function add({ name, under_way, error, runs, drawn, config, converged_at, best_return }: KeptTraining): void {
+    const training = trainings.find((one) => one.name === name);
+    if (training === undefined) return;
+    if (training.own) {
+      // It was lost from sight here; what there is of it can be watched.
+      if (training.error !== null && !under_way && error === undefined) training.done = true;
+      return;
+    }
+    if (training.elsewhere && !under_way) training.curve = null; // there is more of it by now
+    training.elsewhere = under_way;
+    training.label = `folder ${name}`;
+    training.error = under_way ? null : (error ?? null);
+    training.done = error === undefined;
+    if (!drawn || !config || !runs) return;
+    training.label = summary(app.hello.training, config as unknown as Settings, worldOf(drawn));
+    Object.assign(training, { runs, drawn, config, converged: converged_at ?? null, best: best_return ?? null });
+    read();
+  }
+
+  /** Asks for the curves of those that are drawn, one after the other. */
+  function read(): void {
+    const next = trainings.find(({ own, line, curve, error }) => !own && line !== null && curve === null && error === null);
+    if (next === undefined || reading !== null) return;
+    reading = next;
+    const asked = connection.ask<TrainAnswer>("curve", { name: next.name }, (answer) => {
+      asked.forget();
+      reading = null;
+      if (answer.lost) return;
+      take(next, answer);
+      if (next.curve === null) {
+        next.line = null;
+        next.error = answer.error ?? "there is no curve yet: one of its runs has not ended an episode";
+      }
+      onChange();
+      read();
+    });
+  }
+
   return {
     all: () => trainings,
     running,
+    leftOut: () => leftOut,
+    fault: () => fault,
     begin,
     watch,
+    list,
     stop() {
       const going = running();
       if (asked === null || going === null) return;
@@ -102,6 +200,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     toggle(training) {
       if (training.line === null) draw(training);
       else training.line = null;
+      read();
       onChange();
     },
   };

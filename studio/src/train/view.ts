@@ -7,11 +7,16 @@ import { button, card } from "../frame/widgets";
 import { createForm } from "./form";
 import { createTrainings, type Training } from "./trainings";
 
+const PACE = 2000; // milliseconds between two looks at what trains elsewhere
+
 export function createTrain(app: App, openRun: () => void): View {
   const form = createForm(app);
   const chart = createChart("Learning curves", "curves");
   const list = h("ul", { class: "trainings", id: "trainings" });
+  const earlier = h("p", { class: "quiet", id: "earlier", role: "status" });
   const trainings = createTrainings(app, draw);
+  let active = false;
+  let due = 0;
 
   const start = button("Start", () => trainings.begin(form.settings()), {
     id: "start", kind: "primary", sign: "play",
@@ -40,13 +45,23 @@ export function createTrain(app: App, openRun: () => void): View {
       empty: going ? "The first episodes are on their way…" : "Choose a reward and press Start.",
     });
     list.replaceChildren(...trainings.all().toReversed().map(rowOf));
+    earlier.textContent = trainings.fault() || wordsOnOthers(trainings.leftOut(), app.hello.kept);
+    earlier.className = trainings.fault() ? "fault" : "quiet";
+    earlier.hidden = earlier.textContent === "";
+    if (active && !due && trainings.all().some(({ elsewhere }) => elsewhere)) {
+      due = window.setTimeout(() => {
+        due = 0;
+        if (active) trainings.list();
+      }, PACE);
+    }
   }
 
   function rowOf(training: Training): HTMLElement {
-    const { label, line, error, done, share, name } = training;
+    const { label, line, error, done, share, name, curve, own } = training;
     const check = h("input", {
       type: "checkbox",
       checked: line !== null,
+      disabled: curve === null && (error !== null || (!own && !done)),
       "aria-label": `Draw: ${label}`,
       onchange: () => trainings.toggle(training),
     });
@@ -61,7 +76,7 @@ export function createTrain(app: App, openRun: () => void): View {
       h("span", { class: error ? "fault" : "quiet" }, error ?? wordsOn(training)),
       done
         ? button("Watch", () => (trainings.watch(training), openRun()), { kind: "small" })
-        : error === null ? bar : null,
+        : own && error === null ? bar : null,
     );
   }
 
@@ -84,27 +99,49 @@ export function createTrain(app: App, openRun: () => void): View {
       h("div", { class: "card-head" }, h("h2", {}, "Learning curves"), h("span", { class: "quiet" }, "mean over runs, shaded: 95 % interval")),
       chart.element,
       list,
+      earlier,
     ),
   );
-  return { element, entered: draw };
+  return {
+    element,
+    entered() {
+      active = true;
+      trainings.list();
+      draw();
+    },
+    left() {
+      active = false;
+    },
+    again() {
+      if (active) trainings.list();
+    },
+  };
+}
+
+function wordsOnOthers(count: number, folder: string | null): string {
+  if (!count) return "";
+  const which = count === 1 ? "One earlier training is" : `${count.toLocaleString("en-GB")} earlier trainings are`;
+  return `${which} not listed${folder === null ? "" : `; habilis watch shows any folder of ${folder}`}.`;
 }
 
 function whereKept(folder: string | null): string {
   if (folder === null) return "Kept until the studio ends; habilis studio --out DIR keeps it for good.";
-  return `Kept in ${folder}, in a folder of the name below its curve.`;
+  return `Kept in ${folder}, each in a folder of the name below it.`;
 }
 
-function wordsOn({ done, stopped, steps, episodes, curve, settings }: Training): string {
+function wordsOn({ own, done, stopped, elsewhere, steps, episodes, curve, runs, converged: at }: Training): string {
   const last = curve?.mean.at(-1);
   const now = last === undefined ? "" : `return ${last.toFixed(1).replace("-", "−")}`;
   const count = (value: number) => Math.round(value).toLocaleString("en-GB");
-  const so = `${count(episodes / settings.runs)} episodes`;
+  const so = `${count(episodes / runs)} episodes`;
+  if (elsewhere) return "training, for another page or for one just closed";
+  if (!own && !done) return "";
   if (!done && stopped) return "stopping…";
   if (!done) return steps ? [now, so, `${count(steps)} steps`].filter(Boolean).join(" · ") : "starting…";
-  const converged = done.converged_at.filter((at) => at !== null);
-  const mean = converged.reduce((sum, at) => sum + at, 0) / converged.length;
+  const converged = (at ?? []).filter((one) => one !== null);
+  const mean = converged.reduce((sum, one) => sum + one, 0) / converged.length;
   const end = converged.length
-    ? `${converged.length} of ${settings.runs} converged, after ${count(mean)} episodes`
-    : stopped ? `stopped after ${so}` : `none of ${settings.runs} converged`;
+    ? `${converged.length} of ${runs} converged, after ${count(mean)} episodes`
+    : stopped || at === null ? (episodes ? `stopped after ${so}` : "stopped before its end") : `none of ${runs} converged`;
   return [now, end].filter(Boolean).join(" · ");
 }
