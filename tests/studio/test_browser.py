@@ -1,5 +1,6 @@
 """The studio in a real browser: what a person does, and what the page then shows."""
 
+import shutil
 import socket
 from collections.abc import Iterator
 from dataclasses import replace
@@ -218,29 +219,140 @@ def test_a_link_opens_exactly_what_is_shown(page: Page, browser: Browser):
     other.close()
 
 
-def test_a_link_that_is_damaged_opens_the_first_world(browser: Browser, address: str):
-    for damaged in (
-        "#w=10x10.A.1.2.3.4",
-        "#w=9999x9999.AAAA.1.2.3.4",
-        "#nonsense",
-        "#w=4x4..1.1.1.1",
-    ):
-        page = browser.new_page()
-        page.goto(address + damaged)
+UNREADABLE = {
+    "nonsense": "“#nonsense” is not a link of the studio",
+    "t=picker&h=2": "it has no map",
+    "w=10x10.A.1.2.3.4&t=picker": "its map “10x10.A.1.2.3.4” is damaged",
+    "w=4x4.A*A.0.1.2.3&t=picker": "its map “4x4.A*A.0.1.2.3” is damaged",
+    "w=4x4.AAA..1.2.3&t=picker": "its map “4x4.AAA..1.2.3” is damaged",
+    "w=4x4.AAA.0.1.2.-&t=picker": "its map “4x4.AAA.0.1.2.-” is damaged",
+    "w=9999x9999.AAAA.1.2.3.4&t=picker": "its map has 9999 × 9999 cells, and a map has 4 to 30",
+    "w=4x4.AAA.1.1.2.3&t=picker": "the picker of its map is in the cell of the agent",
+    "w=4x4.AAA.0.1.2.16&t=picker": "the bin of the can of its map is not on it",
+    "w=4x4.__8.0.1.2.3&t=picker": "the agent of its map is in a wall",
+    "w=4x4.AAA.0.1.2.3&t=picker&o=spoon": "its object “spoon” is not known here",
+    "w=4x4.AAA.0.1.2.3&t=picker&m=rake@": "its thing “rake@” is damaged",
+    "w=4x4.AAA.0.1.2.3&t=picker&m=rake@4,rake@5,rake@6,rake@7": "its map has 5 tools",
+}
+LINK_FAULT = "#link-fault"
+
+
+def fragment(page: Page) -> str:
+    return page.url.partition("#")[2]
+
+
+def test_a_link_that_cannot_be_opened_says_why_and_stays_in_the_address(
+    browser: Browser, address: str
+):
+    for link, words in UNREADABLE.items():
+        page = browser.new_page(viewport=SIZE)
+        page.goto(f"{address}#{link}")
+        expect(page.locator(LINK_FAULT)).to_contain_text(f"The link cannot be opened: {words}")
         assert shown_bits(page) == true_bits(YARD, 3)
+        page.locator("#tab-play").click()
+        assert fragment(page) == link
         page.close()
+
+
+def test_the_way_back_leads_to_a_link_that_was_not_understood(browser: Browser, address: str):
+    page = browser.new_page(viewport=SIZE, color_scheme="light")
+    page.goto(f"{address}#nonsense")
+    settled(page)
+    fault = page.locator(LINK_FAULT)
+    expect(fault).to_be_visible()
+    keep_picture(page, "link-not-opened")
+    drag(page, WORLD, (7, 4), (7, 5))
+    expect(fault).to_be_hidden()
+    walled = true_bits(replace(YARD, walls=YARD.walls | {(7, 4), (7, 5)}), 3)
+    assert shown_bits(page) == walled
+    drawn = fragment(page)
+    page.go_back()
+    expect(fault).to_contain_text("You see what was shown before")
+    assert fragment(page) == "nonsense"
+    assert shown_bits(page) == walled
+    page.go_forward()
+    expect(fault).to_be_hidden()
+    assert fragment(page) == drawn
+
+
+def test_the_link_that_is_copied_is_of_what_is_shown(browser: Browser, address: str):
+    with browser.new_context(permissions=["clipboard-read", "clipboard-write"]) as context:
+        page = context.new_page()
+        page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=picker&h=77")
+        expect(page.locator(LINK_FAULT)).to_be_visible()
+        page.locator("#share").click()
+        expect(page.locator(".notice")).to_contain_text("is copied")
+        copied = page.evaluate("navigator.clipboard.readText()")
+        assert copied == f"{address}#w=4x4.AAA.0.1.2.3&t=picker&h=10"
+        assert fragment(page) == "w=4x4.AAA.0.1.2.3&t=picker&h=77"
 
 
 def test_a_link_that_asks_for_what_is_not_there_is_taken_as_far_as_it_goes(
     browser: Browser, address: str
 ):
-    page = browser.new_page()
-    page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=none&s=tool&x=tool&h=99&v=nowhere")
+    page = browser.new_page(viewport=SIZE, color_scheme="light")
+    link = "w=4x4.AAA.0.1.2.3&t=none&s=tool&x=tool&h=99&v=nowhere&q=1"
+    page.goto(f"{address}#{link}")
     bare = World.parse("A.CG\n....\n....\n....")
     assert shown_bits(page) == true_bits(bare, 10)
     expect(page.locator("#sensor")).to_have_value("object")
     expect(page.locator("#fault")).to_be_empty()
+    for words in (
+        "Not all of the link can be shown",
+        "its field “q” is unknown",
+        "it senses a tool without having one",
+        "its horizon “99” is not a whole number from 0 to 10, and 10 is used",
+        "its view “nowhere” is unknown",
+    ):
+        expect(page.locator(LINK_FAULT)).to_contain_text(words)
+    keep_picture(page, "link-in-part")
+    page.locator("#horizon").fill("2")
+    expect(page.locator(LINK_FAULT)).to_be_hidden()
+    assert fragment(page) == "w=4x4.AAA.0.1.2.3&t=none&h=2&x=tool"
     page.close()
+
+
+def test_a_link_with_a_tool_that_is_not_known_here_leaves_it_out(browser: Browser, address: str):
+    page = browser.new_page(viewport=SIZE)
+    page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=%2Ftmp%2Fmine.py%3ASpoon&h=2")
+    expect(page.locator(LINK_FAULT)).to_contain_text(
+        "its tool “/tmp/mine.py:Spoon” is not known here, and is left out (start the studio with "
+        "--tool)"
+    )
+    assert shown_bits(page) == true_bits(World.parse("A.CG\n....\n....\n...."), 2)
+    page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=picker&m=spoon@8,ball@9&h=2")
+    expect(page.locator(LINK_FAULT)).to_contain_text("its tool or object “spoon” is not known here")
+    world = World.parse("D = ball\nG = goal of C\nAPCG\n....\n.D..\n....")
+    assert shown_bits(page) == true_bits(world, 2, "object:can")
+    page.close()
+
+
+def test_a_link_has_what_hardly_fails_and_tools_of_any_path(browser: Browser, tmp_path: Path):
+    folder = tmp_path / "a,b@1%2C*c>d"
+    folder.mkdir()
+    (folder / "mine.py").write_text((EXAMPLES / "rake.py").read_text("utf-8"), "utf-8")
+    with served("--tool", f"{folder / 'mine.py'}:Rake") as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        settled(page)
+        take_in(
+            page, "B = broom slip 0.0000001\nP = picker slip 0.0000002\nABPCG\n.....\n.....\n....."
+        )
+        page.locator("#add").click()
+        page.get_by_role("menuitem", name="Rake (yours)").click()
+        expect(page.locator("#add")).to_be_visible()
+        settled(page)
+        other = browser.new_page(viewport=SIZE)
+        other.goto(page.url)
+        settled(other)
+        expect(other.locator(LINK_FAULT)).to_be_hidden()
+        text = map_text(other)
+        assert text == map_text(page)
+        slips = {tool.kind: tool.slip for tool in World.parse(text).tools}
+        assert slips == {"broom": 1e-7, "picker": 2e-7, f"{folder / 'mine.py'}:Rake": 0.0}
+        assert fragment(other) == fragment(page)
+        page.close()
+        other.close()
 
 
 def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
@@ -357,6 +469,44 @@ def test_map_text_that_is_no_map_is_refused_in_the_library_s_words(page: Page):
     expect(page.locator("dialog .fault")).to_have_text(str(refused.value))
     page.keyboard.press("Escape")
     assert shown_bits(page) == true_bits(YARD, 3)
+
+
+def test_map_text_that_is_too_long_is_refused_and_stays_in_its_field(page: Page, tmp_path: Path):
+    page.locator("#map-text").click()
+    text = page.locator("#text")
+    text.evaluate("(area) => { area.value = `; long\\n`.repeat(10_000) + `AP.CG`; }")
+    page.locator("#use-map").click()
+    fault = page.locator("dialog .fault")
+    expect(fault).to_contain_text("The text has 70,005 characters")
+    expect(fault).to_contain_text("the studio takes up to 65,436")
+    assert len(text.input_value()) == 70_005
+    keep_picture(page, "map-text-too-long")
+    file = page.locator("dialog input[type=file]")
+    for size, words in ((70_000, "has 70,000 characters"), (2_000_000, "has 2,000,000 bytes")):
+        (tmp_path / "long.txt").write_text("." * size)
+        file.set_input_files(tmp_path / "long.txt")
+        expect(fault).to_contain_text(f"The file long.txt {words}")
+        assert len(text.input_value()) == 70_005
+    (tmp_path / "long.txt").write_text(
+        "APCG\n....\n....\n....\n" + "; as long as it may be\n" * 2_700
+    )
+    file.set_input_files(tmp_path / "long.txt")
+    expect(fault).to_be_empty()
+    page.locator("#use-map").click()
+    expect(page.locator("dialog")).to_have_count(0)
+    assert shown_bits(page) == true_bits(World.parse("APCG\n....\n....\n...."), 3)
+
+
+def test_a_tie_is_called_one(page: Page):
+    page.locator("#horizon").fill("0")
+    verdict = page.locator("#verdict")
+    shown_averages(page)
+    expect(verdict).to_have_text(
+        "The picker makes no difference: neither with it nor with bare hands can anything be done "
+        "to the can."
+    )
+    expect(verdict).to_have_attribute("data-kind", "none")
+    keep_picture(page, "design-tie")
 
 
 def test_the_map_grows_and_shrinks_with_its_things_inside(page: Page):
@@ -612,6 +762,80 @@ def test_a_training_that_is_kept_goes_by_the_name_of_its_folder(browser: Browser
         (folder,) = (path for path in (tmp_path / "kept").iterdir() if path.is_dir())
         expect(page.locator(".training .name")).to_contain_text(folder.name)
         keep_picture(page, "train-kept")
+        page.close()
+
+
+def test_a_training_is_listed_again_after_the_page_is_loaded_anew(page: Page):
+    pytest.importorskip("jax")
+    page.locator("#tab-train").click()
+    page.locator("#seed").fill("77")
+    page.locator("#runs").fill("2")
+    page.locator("#episodes").fill("150")
+    page.locator("#start").click()
+    ours = page.locator(".training").filter(has_text="seed 77")
+    watch = ours.get_by_role("button", name="Watch")
+    expect(watch).to_have_count(1)
+    page.locator("#tab-design").click()
+    page.reload()
+    settled(page)
+    page.locator("#tab-train").click()
+    expect(ours).to_contain_text("of 2 converged")
+    ours.get_by_role("checkbox").click()
+    expect(page.locator("#curves .line")).to_have_count(1)
+    expect(ours).to_contain_text("return")
+    watch.click()
+    expect(page.locator("#run-told")).to_contain_text("step")
+
+    # What trains when its page is closed comes to its end, and is kept as it is then.
+    page.locator("#tab-train").click()
+    page.locator("#seed").fill("78")
+    page.locator("#beta").fill("10")
+    page.locator("#episodes").fill("100000")
+    page.locator("#start").click()
+    expect(page.locator("#curves .line")).to_have_count(2)
+    page.locator("#tab-design").click()
+    page.reload()
+    settled(page)
+    page.locator("#tab-train").click()
+    stopped = page.locator(".training").filter(has_text="seed 78")
+    expect(stopped).to_contain_text("stopped before its end")
+    expect(stopped.get_by_role("button", name="Watch")).to_have_count(1)
+
+
+def test_what_a_folder_has_is_listed_by_the_next_studio_and_what_is_damaged_says_so(
+    browser: Browser, tmp_path: Path
+):
+    pytest.importorskip("jax")
+    from habilis.learning.config import Config
+    from habilis.learning.replay import play
+    from habilis.learning.train import train
+
+    run = train(Config(world="yard", runs=2, episodes=150, seed=5), out=tmp_path / "my run")
+    shutil.copytree(tmp_path / "my run", tmp_path / "torn")
+    (tmp_path / "torn" / "config.json").write_text("{")
+    shutil.copytree(tmp_path / "my run", tmp_path / "worn")
+    (tmp_path / "worn" / "parameters.npz").write_bytes(b"")
+    (tmp_path / "photographs").mkdir()
+    with served("--out", str(tmp_path)) as address:
+        page = browser.new_page(viewport=SIZE, color_scheme="light")
+        page.goto(address)
+        page.locator("#tab-train").click()
+        rows = page.locator(".training")
+        expect(rows).to_have_count(3)
+        torn, worn = (rows.filter(has_text=name) for name in ("torn", "worn"))
+        expect(torn.locator(".fault")).to_contain_text("config.json: is damaged")
+        expect(torn.get_by_role("button")).to_have_count(0)
+        rows.filter(has_text="my run").get_by_role("button", name="Watch").click()
+        told = page.locator("#run-told")
+        expect(told).to_contain_text(f"{len(play(run).actions)} step")
+        page.locator("#tab-train").click()
+        keep_picture(page, "train-listed")
+        worn.get_by_role("checkbox").click()
+        expect(worn.locator(".fault")).to_contain_text("parameters.npz: is damaged")
+        worn.get_by_role("button", name="Watch").click()
+        expect(told).to_contain_text("parameters.npz: is damaged")
+        expect(page.locator("#run-board")).to_be_hidden()
+        keep_picture(page, "run-damaged")
         page.close()
 
 

@@ -116,6 +116,15 @@ export function createFrame(
     words,
     iconButton("close", "Hide this", () => (banner.hidden = true)),
   );
+  // What a finger or the mouse is drawing on does not move away below it.
+  let [pressed, outdated] = [false, false];
+  addEventListener("pointerdown", () => (pressed = true), true);
+  for (const end of ["pointerup", "pointercancel"]) {
+    addEventListener(end, () => {
+      pressed = false;
+      setTimeout(() => outdated && (banner.hidden = true));
+    }, true);
+  }
   const element: HTMLElement = h(
     "div",
     { class: "frame" },
@@ -145,8 +154,9 @@ export function createFrame(
       line.hidden = status === "open";
     },
     showLink(said) {
-      words.textContent = said ?? "";
-      banner.hidden = said === null;
+      outdated = said === null;
+      if (said !== null) words.textContent = said;
+      if (!outdated || !pressed) banner.hidden = outdated;
     },
   };
 }

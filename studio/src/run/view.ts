@@ -58,6 +58,7 @@ export function createRun({ hello, connection, acted }: App): View {
   function load(): void {
     stop();
     told.textContent = "Acting it out…";
+    told.className = "quiet";
     const name = acted.current()?.asked;
     const body = {
       index: which,
@@ -67,6 +68,8 @@ export function createRun({ hello, connection, acted }: App): View {
     const asked = connection.ask<RunAnswer>("run", body, (next) => {
       if (next.progress !== undefined) return;
       asked.forget();
+      full.classList.toggle("failed", next.error !== undefined && answer === null);
+      told.className = next.error === undefined ? "quiet" : "fault";
       if (next.error !== undefined) {
         told.textContent = next.error;
         return;

@@ -64,6 +64,17 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
   let reading: Training | null = null; // whose curve is asked for
   let leftOut = 0;
   let fault = "";
+  let due = false;
+
+  /** Shows what many answers come to once, not each of them. */
+  function soon(): void {
+    if (due) return;
+    due = true;
+    requestAnimationFrame(() => {
+      due = false;
+      onChange();
+    });
+  }
 
   const running = () => trainings.find(({ own, done, error }) => own && !done && error === null) ?? null;
 
@@ -124,7 +135,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
       fault = answer.error ?? "";
       if (answer.names) arrange(answer.names, answer.left_out ?? 0);
       if (answer.kept) add(answer.kept);
-      onChange();
+      soon();
     });
   }
 
@@ -154,7 +165,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     }
     if (training.elsewhere && !under_way) training.curve = null; // there is more of it by now
     training.elsewhere = under_way;
-    training.label = `folder ${name}`;
+    training.label = name;
     training.error = under_way ? null : (error ?? null);
     training.done = error === undefined;
     if (!drawn || !config || !runs) return;
@@ -177,7 +188,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
         next.line = null;
         next.error = answer.error ?? "there is no curve yet: one of its runs has not ended an episode";
       }
-      onChange();
+      soon();
       read();
     });
   }

@@ -72,7 +72,7 @@ export function createTrain(app: App, openRun: () => void): View {
       { class: `training ${line === null ? "" : `k${line}`}` },
       check,
       h("span", { class: "swatch", "aria-hidden": "true" }),
-      h("span", { class: "name" }, label, app.hello.kept === null ? null : h("small", {}, name)),
+      h("span", { class: "name" }, label, app.hello.kept === null || label === name ? null : h("small", {}, name)),
       h("span", { class: error ? "fault" : "quiet" }, error ?? wordsOn(training)),
       done
         ? button("Watch", () => (trainings.watch(training), openRun()), { kind: "small" })
@@ -134,7 +134,7 @@ function wordsOn({ own, done, stopped, elsewhere, steps, episodes, curve, runs, 
   const now = last === undefined ? "" : `return ${last.toFixed(1).replace("-", "−")}`;
   const count = (value: number) => Math.round(value).toLocaleString("en-GB");
   const so = `${count(episodes / runs)} episodes`;
-  if (elsewhere) return "training, for another page or for one just closed";
+  if (elsewhere) return "still training, or ending";
   if (!own && !done) return "";
   if (!done && stopped) return "stopping…";
   if (!done) return steps ? [now, so, `${count(steps)} steps`].filter(Boolean).join(" · ") : "starting…";
