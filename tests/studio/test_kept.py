@@ -92,11 +92,14 @@ def test_a_training_of_another_page_is_listed_as_under_way_until_it_is_stopped()
 def test_folders_that_are_damaged_are_listed_with_what_is_wrong(kept, tmp_path):
     folder, end = kept
     whole = folder / end["done"]["name"]
-    for name in ("config", "world", "summary", "begun", "a name\nin two lines"):
+    for name in ("config", "world", "summary", "endless", "begun", "a name\nin two lines"):
         shutil.copytree(whole, tmp_path / name)
     (tmp_path / "config" / "config.json").write_text("[")
     (tmp_path / "world" / "world.txt").write_text("no map")
     (tmp_path / "summary" / "summary.json").write_text('{"converged_at": 3}')
+    (tmp_path / "endless" / "summary.json").write_text(
+        '{"converged_at": [null, null], "best_return": NaN}'
+    )
     (tmp_path / "begun" / "summary.json").unlink()
     # What is no run is nobody's business, damaged or not.
     (tmp_path / "photographs").mkdir()
@@ -113,6 +116,7 @@ def test_folders_that_are_damaged_are_listed_with_what_is_wrong(kept, tmp_path):
     assert "config.json: is damaged" in found.pop("config")["error"]
     assert "world.txt: is damaged" in found.pop("world")["error"]
     assert "summary.json: is damaged" in found.pop("summary")["error"]
+    assert "best_return is no finite number" in found.pop("endless")["error"]
     assert "ended before its first checkpoint" in found.pop("begun")["error"]
     assert found.pop("a name\nin two lines")["ended"]
     assert not found

@@ -309,8 +309,9 @@ def _summary(path: Path, config: Config) -> dict[str, Any]:
     counts = summary["converged_at"]
     if len(counts) != config.runs or not all(n is None or isinstance(n, int) for n in counts):
         raise ValueError(f"converged_at has no entry for each of the {config.runs} runs")
-    if not isinstance(summary["best_return"], int | float):
-        raise ValueError("best_return is no number")
+    best = summary["best_return"]
+    if not isinstance(best, int | float) or not np.isfinite(best):
+        raise ValueError("best_return is no finite number")
     return summary
 
 

@@ -46,12 +46,11 @@ def kept(folder: str) -> Answer:
     path = Path(folder)
     config, world = read_config(path), read_world(path)
     ended = is_finished(path)
+    outcome: Answer = {"converged_at": None, "best_return": None}
     if ended:
         outcome = read_summary(path, config)
-    else:
-        outcome = {"converged_at": None, "best_return": None}
-        if not checkpoints(path):
-            outcome["error"] = "ended before its first checkpoint: there is nothing to watch"
+    elif not checkpoints(path) and not is_finished(path):  # it may just have come to its end
+        outcome["error"] = "ended before its first checkpoint: there is nothing to watch"
     return outcome | {
         "runs": config.runs,
         "drawn": drawn.described(world),

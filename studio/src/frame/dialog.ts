@@ -10,7 +10,9 @@ export function openDialog(title: string, ...children: Child[]): () => void {
     h("div", { class: "dialog-head" }, h("h2", {}, title), iconButton("close", "Close", close)),
     ...children.filter((child) => child !== null),
   );
-  dialog.addEventListener("click", (event) => event.target === dialog && close());
+  let beside = false; // where the press began: text that is selected beyond the edge is not lost
+  dialog.addEventListener("pointerdown", (event) => (beside = event.target === dialog));
+  dialog.addEventListener("click", (event) => beside && event.target === dialog && close());
   dialog.addEventListener("close", () => dialog.remove());
   document.body.append(dialog);
   dialog.showModal();
