@@ -1,9 +1,9 @@
 """A finite Markov decision process as arrays."""
 
 import operator
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from jaxtyping import Bool, Float32, Int32
@@ -18,6 +18,23 @@ HELD, LAID = "held", "laid"
 """The factors of a world that are no cells: which tool is in hand, and which was put down."""
 
 _NOWHERE = -2  # a label of no state: cells are 0 and up, what a world lacks is -1
+
+
+class Origin(Protocol):
+    """The environment that a table was made of."""
+
+    @property
+    def verified(self) -> int:
+        """How many transitions of the table were seen in replays of the environment."""
+        ...
+
+    def restore(self, state: int) -> Any:
+        """The environment in a state."""
+        ...
+
+    def observation(self, state: int) -> Any:
+        """What it shows in a state."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +56,7 @@ class TabularMDP:
         start: the state in which episodes begin.
         shape: (rows, columns) of the world whose cells the factors name; `None` without one.
         actions: the names of the actions.
+        origin: the environment that the table was made of, if any.
     """
 
     transitions: "Int32[np.ndarray, 'S A'] | csr_array"
@@ -49,6 +67,7 @@ class TabularMDP:
     start: int = 0
     shape: tuple[int, int] | None = None
     actions: tuple[str, ...] = ()
+    origin: "Origin | None" = field(default=None, repr=False)
 
     @classmethod
     def deterministic(
@@ -159,7 +178,9 @@ class TabularMDP:
         *,
         max_states: int = 100_000,
         seed: int | None = 0,
-        key: Callable[[Any], Hashable] | None = None,
+        key: Callable[[Any], Any] | None = None,
+        ignore: Sequence[str] = (),
+        state: tuple[Callable[[Any], Any], Callable[[Any, Any], Any]] | None = None,
         factors: Mapping[str, Callable[[Any], int]] | None = None,
         show_progress: bool = False,
     ) -> "TabularMDP":
@@ -167,27 +188,42 @@ class TabularMDP:
 
         From its own table `P` if it has one, as FrozenLake, CliffWalking and Taxi do. Otherwise
         it must be deterministic, and every state that can be reached from the first is stepped
-        through, on copies. Counters of steps are no part of a state: every step is made as if it
-        were the first, and truncation is not an end. Terminal states are not stepped out of.
+        through, on copies. A state is the value of all that the (unwrapped) environment holds:
+        see "Is the number right?" in the documentation. Terminal states are not stepped out of; a
+        situation that is reached both with and without the end of an episode is two states.
+
+        Then the table is held against the environment as it was passed, with its wrappers: in
+        replayed episodes every step must be the table's, or the environment is refused. Where
+        `P` is read, or steps are enumerated, and it cannot be copied, it is reset afterwards.
 
         Args:
             env: what `gymnasium.make` returns, wrapped or not.
             max_states: how many states to accept before giving up.
             seed: of the reset that makes the first state; `None`: the state that env is in.
-            key: what makes two states of the (unwrapped) environment the same; by default all
-                that it holds but random numbers, pictures and counters of steps.
+            key: what makes two states of the (unwrapped) environment the same, in the place of
+                all that it holds.
+            ignore: attributes of the (unwrapped) environment that are no part of its state, such
+                as a counter of steps, "simulator.time" those of an attribute. Every step is made
+                with what they are in the first state; in the replays they run on, so that
+                an environment whose transitions depend on one is refused.
+            state: `(save, load)`, two functions of the wrapped environment: `save(env)` returns
+                the value of its state, `load(env, value)` restores it. For environments that
+                cannot be copied, and for wrappers that change what a step does: steps are then
+                made through all wrappers. They take precedence over `P`.
             factors: further factors by name: a whole number for the (unwrapped) environment in a
                 state. Not for environments that have a `P`.
             show_progress: whether to draw a progress bar on standard error.
 
         Returns:
-            A table with the rewards, terminal states and first state of the environment. Factors:
-            FrozenLake and CliffWalking "agent"; Taxi "taxi", "passenger", "destination";
-            Minigrid "agent", "direction", "carried" and every thing by its kind, such as "key".
+            A table with the rewards, terminal states and first state of the environment, whose
+            `observation` and `restore` lead back to it. Factors: FrozenLake and CliffWalking
+            "agent"; Taxi "taxi", "passenger", "destination"; Minigrid "agent", "direction",
+            "carried" and every thing by its kind, such as "key".
 
         Raises:
-            ValueError: it is no such environment, chance decides on a step, it has more states
-                than max_states, or it cannot be copied or compared.
+            ValueError: it is no such environment, is random, does not follow its table, has more
+                states than max_states, or cannot be copied or compared; the message says what to
+                do.
 
         Example:
             >>> import gymnasium
@@ -197,7 +233,59 @@ class TabularMDP:
         """
         from habilis.gymnasium_tables import table_of
 
-        return table_of(env, max_states, seed, key, factors, show_progress)
+        return table_of(env, max_states, seed, key, ignore, state, factors, show_progress)
+
+    def restore(self, state: int) -> Any:
+        """An environment in a state of a table that `from_gymnasium` made.
+
+        Args:
+            state: its index.
+
+        Returns:
+            A copy of the environment that was passed, with its wrappers, led there along a shortest
+            path or, of a `P`, put there; with `state=(save, load)`, or an environment's own
+            `set_state`, that environment itself.
+
+        Raises:
+            ValueError: the table was not made from an environment, there is no such state, or the
+                wrappers do not let it be reached.
+
+        Example:
+            >>> import gymnasium
+            >>> lake = TabularMDP.from_gymnasium(gymnasium.make("FrozenLake-v1"))
+            >>> int(lake.restore(7).unwrapped.s)
+            7
+        """
+        return self._environment(state).restore(int(state))
+
+    def observation(self, state: int) -> Any:
+        """What the environment of `from_gymnasium` shows in a state, through its wrappers.
+
+        Args:
+            state: its index.
+
+        Returns:
+            An observation, as `step` returns it.
+
+        Raises:
+            ValueError: as in `restore`.
+
+        Example:
+            >>> import gymnasium
+            >>> lake = TabularMDP.from_gymnasium(gymnasium.make("FrozenLake-v1"))
+            >>> lake.observation(7)
+            7
+        """
+        return self._environment(state).observation(int(state))
+
+    def _environment(self, state: int) -> "Origin":
+        if self.origin is None:
+            raise ValueError(
+                "this table was not made from an environment; TabularMDP.from_gymnasium makes one"
+            )
+        if not isinstance(state, int | np.integer) or not 0 <= state < self.states:
+            raise ValueError(f"state is {state!r}; use 0 to {self.states - 1}")
+        return self.origin
 
     def slippery(self, slip: float) -> "TabularMDP":
         """This MDP when the chosen action may be replaced (rule 7 of the worlds).

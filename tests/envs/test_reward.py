@@ -1,5 +1,6 @@
 """Empowerment in the reward of any environment."""
 
+import pickle
 import warnings
 from importlib import import_module
 from typing import Any
@@ -17,6 +18,8 @@ from minigrid.wrappers import ImgObsWrapper
 
 import habilis as hb
 from habilis.envs import EmpowermentReward, VectorEmpowermentReward, WorldEnv, WorldVectorEnv
+from habilis.gymnasium_tables.enumeration import enumerate_states
+from habilis.gymnasium_tables.snapshots import Identity, access
 from habilis.learning import intrinsic
 from habilis.learning.task import make_task
 
@@ -98,7 +101,12 @@ def test_rewards_are_the_trainers_whatever_the_settings(settings):
 
 def bits_here(env, sensor):
     """The bits of the state that an environment is in, from a table of its own."""
-    mdp = hb.TabularMDP.from_gymnasium(env, seed=None)
+    inner = env.unwrapped
+    if hasattr(inner, "P"):
+        mdp = hb.TabularMDP.from_gymnasium(inner)
+    else:
+        with access(inner, None, Identity()) as states:
+            mdp = enumerate_states(states, inner.action_space.n, 1000, None, False).mdp
     state = getattr(env.unwrapped, "s", 0)  # the first state of an enumeration is this one
     return hb.empowerment(mdp, 2, sensor, states=[state])[0]
 
@@ -119,6 +127,88 @@ def test_environments_of_others_earn_the_bits_of_their_states(name, arguments, s
         if any(ends):
             break
         assert info["empowerment"] == pytest.approx(bits_here(env, sensor))
+
+
+def test_the_sensor_is_the_state_and_the_weight_must_be_given():
+    env = EmpowermentReward(WorldEnv(TEXT), 2, beta=0.5)
+    mdp = hb.tabulate(hb.World.parse(TEXT))
+    assert env.reset()[1]["empowerment"] == hb.empowerment(mdp, 2)[mdp.start]
+    for make in (lambda: WorldEnv(TEXT), lambda: WorldVectorEnv(2, TEXT)):
+        with pytest.raises(TypeError, match="beta is missing; give the weight of empowerment"):
+            EmpowermentReward(make(), 2, "object")
+
+
+@pytest.mark.parametrize("name", ["MiniGrid-Empty-5x5-v0", "FrozenLake-v1", "habilis/Yard-v0"])
+def test_a_wrapped_environment_can_be_pickled(name):
+    env = EmpowermentReward(gymnasium.make(name), 2, "agent", 0.1)
+    other = pickle.loads(pickle.dumps(env))
+    assert [one.reset(seed=1)[1]["empowerment"] for one in (env, other)]
+    for action in (2, 1, 2):
+        rewards = [one.step(action)[1] for one in (env, other)]
+        assert rewards[0] == rewards[1]
+
+
+class Broken(gymnasium.Wrapper):
+    """From some step on, every action is the first one."""
+
+    steps = 0
+
+    def step(self, action):
+        Broken.steps += 1
+        return self.env.step(0 if Broken.steps > 10_000_000 else action)
+
+
+@pytest.mark.parametrize("name", ["FrozenLake-v1", "MiniGrid-Empty-5x5-v0", "habilis/Yard-v0"])
+def test_a_step_that_the_table_does_not_have_is_refused_when_it_comes(name, monkeypatch):
+    arguments = {"is_slippery": False} if name.startswith("Frozen") else {}
+    env = EmpowermentReward(Broken(gymnasium.make(name, **arguments)), 2, "agent", 0.1)
+    env.reset(seed=0)
+    env.step(1)
+    monkeypatch.setattr(Broken, "steps", 10_000_000)
+    message = r"in step \d+ of an episode, action .* Broken changes what a step does: put it around"
+    with pytest.raises(ValueError, match=message) as refused:
+        for step in range(60):
+            env.step(1 + step % 3)
+    assert "\n" not in str(refused.value)
+
+
+REACHED = []
+
+
+class Records(gymnasium.Wrapper):
+    """Notes the state that each step of the environment inside leads to."""
+
+    def step(self, action):
+        returned = self.env.step(action)
+        REACHED.append(self.unwrapped.s)  # type: ignore[attr-defined]
+        return returned
+
+
+def hidden(env):
+    """Shows nothing from which the state could be read, as an encoder may."""
+    return gymnasium.wrappers.TransformObservation(
+        env, lambda observation: observation % 2, gymnasium.spaces.Discrete(2)
+    )
+
+
+@pytest.mark.parametrize("slippery", [True, False])
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_the_state_is_not_taken_from_what_a_wrapper_shows(slippery, mode):
+    lake = {"is_slippery": slippery, "max_episode_steps": 7}
+    bits = hb.empowerment(hb.TabularMDP.from_gymnasium(gymnasium.make("FrozenLake-v1", **lake)), 2)
+    envs = SyncVectorEnv(
+        [lambda: hidden(Records(gymnasium.make("FrozenLake-v1", **lake)))] * 3, autoreset_mode=mode
+    )
+    envs = EmpowermentReward(envs, 2, "state", 0.5)
+    envs.reset(seed=0)
+    ended = 0
+    for actions in np.random.default_rng(0).integers(4, size=(60, 3)):
+        REACHED.clear()
+        *_, terminated, truncated, info = envs.step(actions)
+        if len(REACHED) == 3:  # none of them only began an episode
+            assert info["empowerment"] == pytest.approx(bits[REACHED])
+            ended += (terminated | truncated).sum()
+    assert ended > 0
 
 
 def test_another_layout_is_enumerated_when_an_episode_brings_it():
@@ -265,7 +355,7 @@ def test_settings_out_of_range_are_refused_in_one_line(settings, message, make):
 
 
 def test_environments_without_a_table_are_refused():
-    with pytest.raises(ValueError, match="whether state 0 ends an episode depends on"):
+    with pytest.raises(ValueError, match="more than one outcome"):
         EmpowermentReward(gymnasium.make("Blackjack-v1"), **TOE | {"sensor": "state"})
     env = gymnasium.make("MiniGrid-Empty-5x5-v0")
     with pytest.raises(ValueError, match="more than 5 states"):

@@ -1,18 +1,20 @@
-"""Where an environment is in its table, and what its states are worth."""
+"""Where an environment is in its table, and the values of its states."""
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from gymnasium.spaces import Discrete
 from jaxtyping import Float64
 
 from habilis.cache import fingerprint
 from habilis.envs.table import TableEnv
-from habilis.gymnasium_tables import check_actions
-from habilis.gymnasium_tables.enumeration import action_count, marker
-from habilis.gymnasium_tables.identity import digest
+from habilis.gymnasium_tables.enumeration import Mark, action_count
+from habilis.gymnasium_tables.indexed import Indexed
 from habilis.gymnasium_tables.keeping import kept_states
+from habilis.gymnasium_tables.snapshots import Identity, unwrapped
+from habilis.gymnasium_tables.tables import check_environment, indexed, is_indexed
+from habilis.gymnasium_tables.verification import step_changers
 from habilis.mdp import TabularMDP
 
 Measure = Callable[[TabularMDP], Float64[np.ndarray, "S"]]
@@ -22,42 +24,39 @@ class Places(Protocol):
     """The states of an environment as indices."""
 
     values: Float64[np.ndarray, "S"]
-    """What each is worth."""
+    """Of each state."""
 
-    def of(self, env: Any) -> int:
-        """The state that an (unwrapped) environment is in."""
+    def begun(self, env: Any, observation: Any) -> int:
+        """The state in which an episode begins."""
         ...
 
-    def last(self, before: int, action: int, observation: Any, info: dict[str, Any]) -> int:
-        """The state in which an episode ended, when the environment has gone on to the next.
+    def reached(self, env: Any, observation: Any, ended: bool) -> int | None:
+        """The state that a step led to; `None` if it is in no table."""
+        ...
 
-        Args:
-            before: the state from which the last step was made.
-            action: of that step.
-            observation, info: with which the episode ended.
-        """
+    def possible(self, state: int, action: int) -> Collection[int]:
+        """The states that an action may lead to."""
         ...
 
 
-def places_of(env: Any, measure: Measure, max_states: int) -> Places:
-    """The states of an environment, and what they are worth.
+def places_of(env: Any, measure: Measure, max_states: int, identity: Identity) -> Places:
+    """The states of an environment, and their values.
 
     Args:
         env: one of ours, one with a table `P` as toy-text's, or one whose states can be
             enumerated (see `TabularMDP.from_gymnasium`).
         measure: a value for every state of a table.
         max_states: how many states to enumerate, at most.
+        identity: what makes two states the same.
 
     Raises:
-        ValueError: it has no table that can be had.
+        ValueError: it has no table, or does not follow it.
     """
-    inner = env.unwrapped
-    check_actions(env)
-    if isinstance(inner, TableEnv):
-        return _OwnPlaces(measure(inner.dynamics))
-    if getattr(inner, "P", None) is not None:
-        return _DictPlaces(env, measure, max_states)
-    return _EnumeratedPlaces(env, measure, max_states)
+    check_environment(env, identity)
+    if is_indexed(env, identity):
+        found = indexed(env, max_states)
+        return _IndexedPlaces(found, measure(found.mdp))
+    return _EnumeratedPlaces(env, measure, max_states, identity)
 
 
 def same_table(one: Any, other: Any) -> bool:
@@ -77,65 +76,109 @@ def _content(mdp: TabularMDP) -> str:
     return fingerprint(mdp.transitions, *(part for pair in mdp.factors.items() for part in pair))
 
 
-class _OwnPlaces:
-    """Of our environments, which say where they are."""
+@dataclass
+class Position:
+    """The state that an environment is in, followed through its episodes.
 
-    def __init__(self, values: Float64[np.ndarray, "S"]):
-        self.values = values
+    Attributes:
+        env: the environment, with the wrappers inside.
+        places: its states.
+        state: the index of the present one; -1 before the first reset.
+        reached: that which the last step led to, before another episode began.
+    """
 
-    def of(self, env: Any) -> int:
-        return env.state
+    env: Any
+    places: Places
+    state: int = -1
+    reached: int = -1
 
-    def last(self, before: int, action: int, observation: Any, info: dict[str, Any]) -> int:
-        return int(info["state"])
+    def __post_init__(self) -> None:
+        self._steps, self._over = 0, True
+
+    def begin(self, observation: Any) -> None:
+        """After a reset."""
+        self.state = self.places.begun(self.env, observation)
+        self._steps, self._over = 0, False
+
+    def step(self, action: Any, observation: Any, terminated: bool, truncated: bool) -> None:
+        """After a step.
+
+        Raises:
+            ValueError: it was not one that the table has.
+        """
+        if self._over:  # a wrapper that resets by itself has begun another episode
+            self.begin(observation)
+            self.reached, self._over = self.state, bool(terminated or truncated)
+            return
+        self._steps += 1
+        possible = self.places.possible(self.state, int(action))
+        reached = self.places.reached(self.env, observation, bool(terminated))
+        if reached is None or reached not in possible:
+            raise ValueError(self._difference(int(action), possible, reached, bool(terminated)))
+        self.state = self.reached = reached
+        self._over = bool(terminated or truncated)
+
+    def _difference(
+        self, action: int, possible: Collection[int], reached: int | None, terminated: bool
+    ) -> str:
+        came = "one that its table does not have" if reached is None else f"state {reached}"
+        expected = ", ".join(map(str, list(possible)[:5])) or "none"
+        changers = step_changers(self.env)
+        what = (
+            f"{', '.join(changers)} changes what a step does: put it around EmpowermentReward"
+            if changers
+            else "it is random, or depends on something that is not in its state"
+        )
+        return (
+            f"{type(unwrapped(self.env)).__name__} does not follow its table: in step {self._steps} "
+            f"of an episode, action {action} in state {self.state}, state {expected} was expected, "
+            f"and {came} came (terminated={terminated}); {what}, or give state=(save, load)"
+        )
 
 
-class _DictPlaces:
-    """Of toy-text's environments, whose state is the row of `P`, and is what they show."""
+@dataclass
+class _IndexedPlaces:
+    """Of environments that say themselves in which row of their table they are."""
 
-    def __init__(self, env: Any, measure: Measure, max_states: int):
-        self.values = measure(TabularMDP.from_gymnasium(env, max_states=max_states))
-        self._shown = isinstance(env.observation_space, Discrete)
+    table: Indexed
+    values: Float64[np.ndarray, "S"]
 
-    def of(self, env: Any) -> int:
-        return int(env.s)
+    def begun(self, env: Any, observation: Any) -> int:
+        return self.table.place(env, observation, False)
 
-    def last(self, before: int, action: int, observation: Any, info: dict[str, Any]) -> int:
-        if not self._shown:
-            raise ValueError(
-                "the state in which an episode ended cannot be told from what is observed; wrap "
-                "each environment in EmpowermentReward before it is vectorised"
-            )
-        return int(observation)
+    def reached(self, env: Any, observation: Any, ended: bool) -> int | None:
+        state = self.table.place(env, observation, ended)
+        return state if self.table.mdp.terminal[state] == ended else None
+
+    def possible(self, state: int, action: int) -> Collection[int]:
+        return self.table.after(state, action)
 
 
 class _EnumeratedPlaces:
     """Of environments whose table is enumerated; further layouts as they are met."""
 
-    def __init__(self, env: Any, measure: Measure, max_states: int):
-        self._measure, self._max_states = measure, max_states
-        self._mark = marker(env.unwrapped)
-        self._known: dict[bytes, int] = {}
-        self._place: dict[Hashable, int] = {}  # of marks seen before: faster than their digests
+    def __init__(self, env: Any, measure: Measure, max_states: int, identity: Identity):
+        self._measure, self._max_states, self._identity = measure, max_states, identity
+        self._known: dict[Mark, int] = {}
         self.values = np.empty(0)
-        self._reached = np.empty((0, action_count(env)), np.int64)
+        self._next_state = np.empty((0, action_count(env)), np.int64)
         self._add(env, seed=0)
 
     def _add(self, env: Any, seed: int | None) -> None:
-        states = kept_states(env, self._max_states, seed)
+        found = kept_states(env, self._max_states, seed, self._identity)
         first = len(self.values)
-        self._known |= {mark.tobytes(): first + i for i, mark in enumerate(states.digests)}
-        self.values = np.append(self.values, self._measure(states.mdp))
-        self._reached = np.append(self._reached, first + states.mdp.next_state, axis=0)
+        self._known |= {mark: first + i for i, mark in enumerate(found.marks)}
+        self.values = np.append(self.values, self._measure(found.mdp))
+        self._next_state = np.append(self._next_state, first + found.mdp.next_state, axis=0)
 
-    def of(self, env: Any) -> int:
-        mark = self._mark(env)
-        if mark not in self._place:
-            name = digest(mark)
-            if name not in self._known:  # a new episode has another layout
-                self._add(env, seed=None)
-            self._place[mark] = self._known[name]
-        return self._place[mark]
+    def begun(self, env: Any, observation: Any) -> int:
+        mark = self._identity.of(env).digest, False
+        if mark not in self._known:  # a new episode has another layout
+            self._add(env, seed=None)
+        return self._known[mark]
 
-    def last(self, before: int, action: int, observation: Any, info: dict[str, Any]) -> int:
-        return int(self._reached[before, action])
+    def reached(self, env: Any, observation: Any, ended: bool) -> int | None:
+        return self._known.get((self._identity.of(env).digest, ended))
+
+    def possible(self, state: int, action: int) -> Collection[int]:
+        return (int(self._next_state[state, action]),)

@@ -1,7 +1,8 @@
-"""Empowerment in the reward of any environment whose table can be had."""
+"""Empowerment in the reward of any environment that can be tabulated."""
 
 from collections.abc import Sequence
 from dataclasses import fields
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -13,8 +14,10 @@ from jaxtyping import Float64, Int64
 from habilis.empowerment.bonus import Bonus, regularised
 from habilis.empowerment.keeping import kept_empowerment
 from habilis.empowerment.sensors import Sensor
-from habilis.envs.places import Measure, places_of, same_table
+from habilis.envs.places import Measure, Places, Position, places_of, same_table
 from habilis.envs.vector import Stepped, TableVectorEnv
+from habilis.gymnasium_tables.snapshots import Identity, StateFunctions
+from habilis.mdp import TabularMDP
 
 EXTRINSIC, EMPOWERMENT = "extrinsic_reward", "empowerment"
 """What `info` says: the environment's own reward, and the bits of the state that was reached."""
@@ -45,6 +48,9 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         (0.281, 0, 2.81)
     """
 
+    changes_reward = True
+    """For tables of what is around it (see `gymnasium_tables.verification`)."""
+
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:  # copies give no env
         if isinstance(env, VectorEnv):
             return VectorEmpowermentReward(env, *args, **kwargs)
@@ -54,8 +60,8 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         self,
         env: gymnasium.Env,
         horizon: int,
-        sensor: Sensor,
-        beta: float,
+        sensor: Sensor = "state",
+        beta: float | None = None,
         actions: Sequence[int] | None = None,
         *,
         beta_schedule: str = "constant",
@@ -65,6 +71,8 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         extrinsic: bool = True,
         discount: float = 0.99,
         max_states: int = 100_000,
+        ignore: Sequence[str] = (),
+        state: StateFunctions | None = None,
     ):
         """
         Args:
@@ -72,7 +80,7 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
             horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`; or, as in
                 "object:can + object:ball" and "object:can*object:ball", the sum or product of M
                 through several sensors.
-            beta: its weight, in reward a bit.
+            beta: its weight, in reward a bit; it must be given.
             beta_schedule: "constant", "linear" or "exponential".
             beta_steps: environment steps after which beta is 0 (linear) or has halved
                 (exponential); those of all copies of a vector environment count.
@@ -82,42 +90,49 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
             extrinsic: whether the environment's reward is part of the reward at all.
             discount: of the agent that learns; for "difference".
             max_states: how many states an enumerated table may have.
+            ignore, state: what the state of an enumerated environment is, as in
+                `TabularMDP.from_gymnasium`.
 
         Raises:
-            ValueError: the environment's table cannot be had, as in `TabularMDP.from_gymnasium`;
-                or as in `habilis.empowerment`; or a setting is out of its range.
+            ValueError: the environment has no table, as in `TabularMDP.from_gymnasium`; or as in
+                `habilis.empowerment`; or a setting is out of its range. `step` raises it where
+                a step is another than the table's.
+            TypeError: beta is left out.
         """
         RecordConstructorArgs.__init__(
             self,
             **{"horizon": horizon, "sensor": sensor, "beta": beta, "actions": actions},
             **{"beta_schedule": beta_schedule, "beta_steps": beta_steps, "earned": earned},
             **{"terminal_bonus": terminal_bonus, "extrinsic": extrinsic},
-            **{"discount": discount, "max_states": max_states},
+            **{"discount": discount, "max_states": max_states, "ignore": ignore, "state": state},
         )
         gymnasium.Wrapper.__init__(self, env)
-        bonus = Bonus(beta, beta_schedule, beta_steps, earned, terminal_bonus, extrinsic)
+        weight = _given(beta)
+        bonus = Bonus(weight, beta_schedule, beta_steps, earned, terminal_bonus, extrinsic)
         self._numbers = bonus.numbers(discount)
-        self._places = places_of(env, _measure(horizon, sensor, actions), max_states)
-        self._taken, self._place = 0, -1
+        measure = partial(_measured, horizon, sensor, actions)
+        self._places = places_of(env, measure, max_states, Identity(None, ignore, state))
+        self._position, self._taken = Position(env, self._places), 0
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
         observation, info = self.env.reset(seed=seed, options=options)
-        self._place = self._places.of(self.unwrapped)
-        return observation, info | {EMPOWERMENT: float(self._places.values[self._place])}
+        self._position.begin(observation)
+        return observation, info | {EMPOWERMENT: float(self._places.values[self._position.state])}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        if self._place < 0:
+        if self._position.state < 0:
             raise gymnasium.error.ResetNeeded("call reset before step")
         observation, reward, terminated, truncated, info = self.env.step(action)
-        before, self._place = self._place, self._places.of(self.unwrapped)
-        values = self._places.values
+        before = self._position.state
+        self._position.step(action, observation, terminated, truncated)
+        values, here = self._places.values, self._position.state
         worth = regularised(
-            *(self._numbers, reward, values[self._place], values[before], terminated, self._taken)
+            *(self._numbers, reward, values[here], values[before], terminated, self._taken)
         )
         self._taken += 1
-        told = {EXTRINSIC: reward, EMPOWERMENT: float(values[self._place])}
+        told = {EXTRINSIC: reward, EMPOWERMENT: float(values[here])}
         return observation, float(worth), terminated, truncated, info | told
 
 
@@ -133,32 +148,35 @@ class VectorEmpowermentReward(VectorWrapper):
         self,
         env: VectorEnv,
         horizon: int,
-        sensor: Sensor,
-        beta: float,
+        sensor: Sensor = "state",
+        beta: float | None = None,
         actions: Sequence[int] | None = None,
         *,
         discount: float = 0.99,
         max_states: int = 100_000,
+        ignore: Sequence[str] = (),
+        state: StateFunctions | None = None,
         **settings: Any,
     ):
         """
         Args:
-            env: one of ours, or a `SyncVectorEnv` of environments of which tables can be had.
-            horizon, sensor, beta, actions, discount, max_states, settings: as in
+            env: one of ours, or a `SyncVectorEnv` of environments that can be tabulated.
+            horizon, sensor, beta, actions, discount, max_states, ignore, state, settings: as in
                 `EmpowermentReward`.
 
         Raises:
             ValueError: as there, or the environments are not in this process.
-            TypeError: there is no such setting.
+            TypeError: there is no such setting, or beta is left out.
         """
         super().__init__(env)
         known = {f.name for f in fields(Bonus)}
         for name in settings:
             if name not in known:
                 raise TypeError(f"setting {name!r} is unknown; use some of {', '.join(known)}")
-        self._numbers = Bonus(beta=beta, **settings).numbers(discount)
-        measure = _measure(horizon, sensor, actions)
-        self._states = _states_of(env.unwrapped, measure, max_states)
+        self._numbers = Bonus(beta=_given(beta), **settings).numbers(discount)
+        measure = partial(_measured, horizon, sensor, actions)
+        identity = Identity(None, ignore, state)
+        self._states = _states_of(env.unwrapped, measure, max_states, identity)
         self._mode = env.metadata.get("autoreset_mode", AutoresetMode.NEXT_STEP)
         self._taken = 0
         self._before = np.empty(0, np.int64)
@@ -185,7 +203,7 @@ class VectorEmpowermentReward(VectorWrapper):
         now, ended = self._states.now(), terminated | truncated
         reached = now
         if self._mode is AutoresetMode.SAME_STEP and ended.any():
-            reached = self._states.last(self._before, actions, now, ended, info)
+            reached = self._states.last(now, ended, info)
         values = self._states.values
         worth = regularised(
             *(self._numbers, rewards, values[reached], values[self._before], terminated),
@@ -212,51 +230,79 @@ class _OwnStates:
     def now(self) -> Int64[np.ndarray, "N"]:
         return self._env.state
 
-    def last(self, before: Any, actions: Any, now: Any, ended: Any, info: dict[str, Any]) -> Any:
+    def last(self, now: Any, ended: Any, info: dict[str, Any]) -> Any:
         return np.where(ended, info["final_info"]["state"], now)
 
 
-class _ManyStates:
-    """Of a `SyncVectorEnv`, whose environments are asked one by one."""
+class _Followed(gymnasium.Wrapper):
+    """Follows where one of many environments is, also in episodes that end within a step."""
 
-    def __init__(self, envs: list[gymnasium.Env], measure: Measure, max_states: int):
+    def __init__(self, env: gymnasium.Env, places: Places):
+        super().__init__(env)
+        self.position = Position(env, places)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        observation, info = self.env.reset(seed=seed, options=options)
+        self.position.begin(observation)
+        return observation, info
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        returned = self.env.step(action)
+        observation, _, terminated, truncated, _ = returned
+        self.position.step(action, observation, terminated, truncated)
+        return returned
+
+
+class _ManyStates:
+    """Of a `SyncVectorEnv`, each of whose environments is followed."""
+
+    def __init__(
+        self, vector: SyncVectorEnv, measure: Measure, max_states: int, identity: Identity
+    ):
+        envs = vector.envs
         for number, env in enumerate(envs[1:], start=1):
             if not same_table(envs[0], env):
                 raise ValueError(
                     f"environment {number} is another than environment 0; wrap each environment "
                     "in EmpowermentReward before it is vectorised"
                 )
-        self._envs = [env.unwrapped for env in envs]
-        self._places = places_of(envs[0], measure, max_states)
+        self._places = places_of(envs[0], measure, max_states, identity)
+        self._followed = [_Followed(env, self._places) for env in envs]
+        vector.envs = self._followed
 
     @property
     def values(self) -> Float64[np.ndarray, "S"]:
         return self._places.values
 
     def now(self) -> Int64[np.ndarray, "N"]:
-        return np.array([self._places.of(env) for env in self._envs])
+        return np.array([env.position.state for env in self._followed])
 
-    def last(self, before: Any, actions: Any, now: Any, ended: Any, info: dict[str, Any]) -> Any:
-        reached, states = now.copy(), info.get("final_info", {}).get("state")
-        for i in np.flatnonzero(ended):
-            # Only ours have "state"; others may have what is no array, such as statistics.
-            of_one = {} if states is None else {"state": states[i]}
-            reached[i] = self._places.last(
-                int(before[i]), int(actions[i]), info["final_obs"][i], of_one
-            )
-        return reached
+    def last(self, now: Any, ended: Any, info: dict[str, Any]) -> Any:
+        return np.where(ended, [env.position.reached for env in self._followed], now)
 
 
-def _states_of(env: Any, measure: Measure, max_states: int) -> _OwnStates | _ManyStates:
+def _states_of(
+    env: Any, measure: Measure, max_states: int, identity: Identity
+) -> _OwnStates | _ManyStates:
     if isinstance(env, TableVectorEnv):
         return _OwnStates(env, measure)
     if isinstance(env, SyncVectorEnv):
-        return _ManyStates(list(env.envs), measure, max_states)
+        return _ManyStates(env, measure, max_states, identity)
     raise ValueError(
         f"the states of a {type(env).__name__} cannot be seen from here; wrap each environment "
         "in EmpowermentReward before it is vectorised"
     )
 
 
-def _measure(horizon: int, sensor: Sensor, actions: Sequence[int] | None) -> Measure:
-    return lambda mdp: kept_empowerment(mdp, horizon, sensor, actions)
+def _measured(
+    horizon: int, sensor: Sensor, actions: Sequence[int] | None, mdp: TabularMDP
+) -> Float64[np.ndarray, "S"]:
+    return kept_empowerment(mdp, horizon, sensor, actions)
+
+
+def _given(beta: float | None) -> float:
+    if beta is None:
+        raise TypeError("beta is missing; give the weight of empowerment, as beta=0.1")
+    return beta

@@ -1,12 +1,13 @@
 """Tables of Gymnasium environments that were written elsewhere.
 
 From the environment's own table `P` where it has one (`transition_dict`), otherwise by stepping
-through every state that can be reached (`enumeration`).
+through every state that can be reached (`enumeration`). Every table is then held against the
+environment as the user passed it, with its wrappers (`replays`).
 """
 
 import ast
 import json
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 from urllib.parse import parse_qsl
 
@@ -18,52 +19,16 @@ def table_of(
     env: Any,
     max_states: int,
     seed: int | None,
-    key: Callable[[Any], Hashable] | None,
+    key: Callable[[Any], Any] | None,
+    ignore: Sequence[str],
+    state: Any,
     factors: Mapping[str, Callable[[Any], int]] | None,
     show_progress: bool,
 ) -> TabularMDP:
     """`TabularMDP.from_gymnasium`; see there."""
-    from habilis.gymnasium_tables.enumeration import enumerate_states
-    from habilis.gymnasium_tables.transition_dict import table_of_dict
-
-    inner = getattr(env, "unwrapped", None)
-    if not hasattr(inner, "action_space"):
-        raise ValueError(f"{env!r} is no Gymnasium environment; give what gymnasium.make returns")
-    check_actions(env)
-    own = getattr(inner, "dynamics", None)
-    if isinstance(own, TabularMDP):
-        return own  # of our environments
-    table = getattr(inner, "P", None)
-    if table is not None:
-        if len(table) > max_states:
-            raise ValueError(
-                f"the table P has {len(table):,} states, more than {max_states:,}; raise max_states"
-            )
-        return table_of_dict(inner)
-    return enumerate_states(env, max_states, seed, key, factors, show_progress).mdp
-
-
-def check_actions(env: Any) -> None:
-    """Refuses wrappers that make other actions of the ones they get: the table is of those inside.
-
-    Raises:
-        ValueError: there is one, or the actions outside are others than those inside.
-    """
-    import gymnasium
-
-    layer = env
-    while isinstance(layer, gymnasium.Wrapper):
-        if isinstance(layer, gymnasium.ActionWrapper):
-            raise ValueError(
-                f"{type(layer).__name__} changes the actions, which no table knows; give the "
-                "environment inside of it, and put such wrappers around the rest"
-            )
-        layer = layer.env
-    if env.action_space != layer.action_space:
-        raise ValueError(
-            f"the actions are {env.action_space} outside and {layer.action_space} inside; give the "
-            "environment inside of the wrapper that changes them"
-        )
+    tables = import_from("habilis.gymnasium_tables.tables", "gymnasium")
+    identity = tables.Identity(key, ignore, state)
+    return tables.table_of(env, max_states, seed, identity, factors, show_progress)
 
 
 def table_named(

@@ -1,19 +1,44 @@
 """Tables of deterministic environments by stepping through every state that can be reached."""
 
-import copy
-from collections.abc import Callable, Hashable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int32
+from jaxtyping import Int32, Int64
 
-from habilis.gymnasium_tables.identity import frozen, identity, keep_counters
+from habilis.gymnasium_tables.identity import view
 from habilis.gymnasium_tables.minigrid import is_minigrid, minigrid_factors
+from habilis.gymnasium_tables.randomness import global_states, left_alone, reseed
+from habilis.gymnasium_tables.snapshots import Access, Seen, Snapshot, reason, unwrapped
 from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
+
+Mark = tuple[bytes, bool]
+"""A state: the digest of its identity, and whether an episode has ended in it."""
+
+_TRIES = 20_000  # of steps that drew random numbers, with other numbers, in all
+_TRIES_AT_ONCE = 4  # of these, for each such step when it is first met
+_ROUNDS = 10  # in which all such steps are tried, some times each
+_SECONDS = 10.0  # that all of them may take
+
+
+@dataclass(frozen=True)
+class Step:
+    """Where a step led, and what came with it.
+
+    Attributes:
+        mark: the state.
+        reward: as a table holds it.
+        observed: the beginning of a digest of the observation; 0 where it cannot be compared.
+    """
+
+    mark: Mark
+    reward: np.float32
+    observed: int
 
 
 @dataclass(frozen=True)
@@ -22,65 +47,120 @@ class Enumerated:
 
     Attributes:
         mdp: their table.
-        place: the index of each state in it, by its mark.
+        marks: of each state.
+        snapshots: of each state.
+        observed: int64[S, A], `Step.observed` of each transition.
+        parent, action: int32[S], the state from which, and the action by which, a state was
+            first reached, along a shortest path; -1 for the first.
+        seconds: that it took.
     """
 
     mdp: TabularMDP
-    place: Mapping[Hashable, int]
+    marks: list[Mark]
+    snapshots: list[Snapshot]
+    observed: Int64[np.ndarray, "S A"]
+    parent: Int32[np.ndarray, "S"]
+    action: Int32[np.ndarray, "S"]
+    seconds: float
 
 
-_RETRIES = 4  # of a step that drew random numbers, each with others
+@dataclass
+class _Found:
+    """The states met so far, in order, and the steps from those that were looked into."""
+
+    access: Access
+    max_states: int
+    place: dict[Mark, int] = field(init=False)
+    snapshots: list[Snapshot] = field(init=False)
+    parent: list[int] = field(default_factory=lambda: [-1])
+    action: list[int] = field(default_factory=lambda: [-1])
+    steps: list[list[Step]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        first = self.access.first
+        self.marks: list[Mark] = [(first.seen.digest, False)]
+        self.place, self.snapshots = {self.marks[0]: 0}, [first]
+
+    def add(self, mark: Mark, keep: Callable[[], Snapshot], state: int, action: int) -> None:
+        """A state that an action led to, which may be known.
+
+        Raises:
+            ValueError: it is one more than there may be.
+        """
+        if mark in self.place:
+            return
+        if len(self.marks) >= self.max_states:
+            raise ValueError(
+                f"more than {self.max_states:,} states can be reached, {len(self.steps):,} of them "
+                f"looked into; raise max_states{self._growing()}"
+            )
+        self.place[mark] = len(self.marks)
+        self.marks.append(mark)
+        self.snapshots.append(keep())
+        self.parent.append(state)
+        self.action.append(action)
+
+    def _growing(self) -> str:
+        """Which attribute has another value in every state on a longest of the shortest paths."""
+        path = [len(self.marks) - 1]
+        while self.parent[path[-1]] >= 0:
+            path.append(self.parent[path[-1]])
+        values: dict[str, set[bytes]] = {}
+        for state in path:
+            for name, part in self.access.parts(self.snapshots[state]).items():
+                values.setdefault(name, set()).add(view(part, strict=False).digest)
+        for name, different in values.items():
+            if len(different) == len(path) > 2:
+                return (
+                    f", or leave out the attribute {name!r}, which is another in every state, with "
+                    f"ignore=({name!r},) if no transition depends on it"
+                )
+        return ", or say with key= what makes two states the same"
 
 
 def enumerate_states(
-    env: Any,
+    access: Access,
+    actions: int,
     max_states: int,
-    seed: int | None,
-    key: Callable[[Any], Hashable] | None,
     factors: Mapping[str, Callable[[Any], int]] | None,
     show_progress: bool,
 ) -> Enumerated:
-    """Breadth first from one state; see `TabularMDP.from_gymnasium`."""
-    actions = action_count(env)
-    with first_state(env, seed) as (first, saved), progress_bar("states", show_progress) as tell:
-        mark = key or saved.identity
-        place: dict[Hashable, int] = {mark(first): 0}
-        found, ended = [saved.save(first)], [False]
-        table: list[list[int]] = []
-        rewards: list[list[float]] = []
-        while len(table) < len(found):
-            state = len(table)
-            row, earned = [state] * actions, [0.0] * actions
-            for action in range(0 if ended[state] else actions):
-                step = _certain_step(saved, found[state], action, state, mark)
-                successor = place.setdefault(step.identity, len(found))
-                if successor == len(found):
-                    if successor >= max_states:
-                        raise ValueError(
-                            f"more than {max_states:,} states can be reached, {state:,} of them "
-                            "looked into; raise max_states, or give a key= that leaves out "
-                            "what does not matter, such as a counter of steps"
-                        )
-                    found.append(step.after)
-                    ended.append(step.terminated)
-                elif ended[successor] != step.terminated:
-                    raise ValueError(
-                        f"whether state {successor} ends an episode depends on how it is entered "
-                        f"(state {state}, action {action}); give a key= that tells the two apart"
-                    )
-                row[action], earned[action] = successor, step.reward
-            table.append(row)
-            rewards.append(earned)
-            tell(len(table), len(found))
-        mdp = TabularMDP.deterministic(table, rewards, ended)
-        named = minigrid_factors(map(saved.load, found)) if is_minigrid(first) else {}
-        for name, label in (factors or {}).items():
-            named[name] = _labels(name, [label(saved.load(state)) for state in found])
-        mdp = replace(mdp, factors=named, actions=_action_names(first, actions))
-        return Enumerated(mdp, place)
+    """Breadth first from the first state; see `TabularMDP.from_gymnasium`."""
+    began = time.perf_counter()
+    found = _Found(access, max_states)
+    drew: list[tuple[int, int]] = []
+    with progress_bar("states", show_progress) as tell:
+        while (state := len(found.steps)) < len(found.marks):
+            mark, ended = found.marks[state]
+            if ended:  # an end is not stepped out of
+                found.steps.append([Step((mark, True), np.float32(0), 0)] * actions)
+            else:
+                drew += _look_into(access, found, state, actions)
+            tell(len(found.steps), len(found.marks))
+    if drew:
+        _try_again(access, found, drew, show_progress)
+    seconds = time.perf_counter() - began
+    table = [[found.place[step.mark] for step in row] for row in found.steps]
+    rewards = np.array([[step.reward for step in row] for row in found.steps])
+    mdp = TabularMDP.deterministic(table, rewards, [ended for _, ended in found.marks])
+    inner = unwrapped(access.load(access.first))
+    names = _action_names(inner, actions)
+    named = _factors(access, found.snapshots, factors or {}, is_minigrid(inner))
+    return Enumerated(
+        replace(mdp, factors=named, actions=names),
+        *(found.marks, found.snapshots),
+        np.array([[step.observed for step in row] for row in found.steps], np.int64),
+        *(np.array(found.parent, np.int32), np.array(found.action, np.int32)),
+        seconds,
+    )
 
 
 def action_count(env: Any) -> int:
+    """How many actions an environment has.
+
+    Raises:
+        ValueError: they are not `Discrete(n)`.
+    """
     space = env.action_space
     if type(space).__name__ != "Discrete" or int(space.start) != 0:
         raise ValueError(
@@ -88,6 +168,114 @@ def action_count(env: Any) -> int:
             "in one that has such actions"
         )
     return int(space.n)
+
+
+def made_step(env: Any, action: int, where: str) -> tuple[Any, np.float32, bool, bool]:
+    """Observation, reward, terminated and truncated of one step.
+
+    Args:
+        env: makes the step.
+        action: its index.
+        where: for messages, as "state 3".
+
+    Raises:
+        ValueError: it raises something, or returns something else.
+    """
+    try:
+        returned = env.step(action)
+    except Exception as error:  # whatever the environment's own code raises
+        kind = "" if str(error).startswith(type(error).__name__) else f"{type(error).__name__}: "
+        raise ValueError(
+            f"action {action} in {where} raises {kind}{reason(error)}; reset the environment before "
+            "it is tabulated with seed=None, and let every action be possible in every state"
+        ) from None
+    if not isinstance(returned, tuple) or len(returned) != 5:
+        raise ValueError(
+            f"step(action) returns {reason(ValueError(repr(returned)[:60]))}; Gymnasium's is "
+            "(observation, reward, terminated, truncated, info)"
+        )
+    observation, reward, terminated, truncated, _ = returned
+    try:
+        earned = np.float32(reward)
+        return observation, earned, bool(terminated), bool(truncated)
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"action {action} in {where} has reward {reward!r} and terminated {terminated!r}; "
+            "give a number and a bool"
+        ) from None
+
+
+def observed(observation: Any) -> int:
+    """The first 63 bits of an observation's digest."""
+    return int.from_bytes(view(observation, strict=False).digest[:8], "little") >> 1
+
+
+def _step(access: Access, env: Any, action: int, state: int) -> tuple[Step, Seen]:
+    """One step, and what the environment looks like after it."""
+    observation, reward, terminated, _ = made_step(env, action, f"state {state}")
+    seen = access.look(env)
+    return Step((seen.digest, terminated), reward, observed(observation)), seen
+
+
+def _look_into(access: Access, found: _Found, state: int, actions: int) -> list[tuple[int, int]]:
+    """Makes every step out of a state; returns those that drew random numbers.
+
+    Raises:
+        ValueError: a step has more than one outcome, or leads to a state too many.
+    """
+    snapshot, row, drew = found.snapshots[state], [], []
+    env = None
+    for action in range(actions):
+        env = access.load(snapshot) if env is None else env
+        before = [*global_states(), *access.drawn_before(snapshot)]
+        step, seen = _step(access, env, action, state)
+        row.append(step)
+        draws = [*global_states(), *seen.drawn] != before
+        found.add(step.mark, lambda e=env, s=seen: Snapshot(access.save(e), s), state, action)
+        if step.mark == found.marks[state] and not draws:
+            access.rewind(env)  # nothing happened: the next step can be made from here
+        else:
+            env = None
+        if draws:
+            drew.append((state, action))
+            _try_others(access, found, (state, action), step, range(_TRIES_AT_ONCE))
+    found.steps.append(row)
+    return drew
+
+
+def _try_again(
+    access: Access, found: _Found, drew: list[tuple[int, int]], show_progress: bool
+) -> None:
+    """Makes steps that drew random numbers with thousands of others, until time is up."""
+    deadline = time.perf_counter() + _SECONDS
+    tried, at_once = _TRIES_AT_ONCE * len(drew), max(1, _TRIES // (_ROUNDS * len(drew)))
+    with progress_bar("steps that draw random numbers", show_progress) as tell:
+        while tried < _TRIES:
+            for state, action in drew:
+                if time.perf_counter() > deadline:
+                    return
+                step, seeds = found.steps[state][action], range(tried, tried + at_once)
+                _try_others(access, found, (state, action), step, seeds)
+                tried += at_once
+                tell(tried, _TRIES)
+
+
+def _try_others(
+    access: Access, found: _Found, transition: tuple[int, int], step: Step, seeds: range
+) -> None:
+    """Raises ValueError: with other random numbers a step is another."""
+    state, action = transition
+    load = access.loader(found.snapshots[state])
+    for seed in seeds:
+        env, generators = load()
+        with left_alone(generators):  # so that what it comes to can be recognised at once
+            reseed(generators, seed)
+            observation, reward, ended, _ = made_step(env, action, f"state {state}")
+        if Step((access.look(env).digest, ended), reward, observed(observation)) != step:
+            raise ValueError(
+                f"action {action} in state {state} has more than one outcome; only deterministic "
+                "environments can be enumerated: give the probabilities to TabularMDP.stochastic"
+            )
 
 
 def _action_names(env: Any, count: int) -> tuple[str, ...]:
@@ -98,123 +286,31 @@ def _action_names(env: Any, count: int) -> tuple[str, ...]:
     return tuple(action.name for action in known)
 
 
-@dataclass(frozen=True)
-class Saved:
-    """How the states of an environment are kept.
+def _factors(
+    access: Access,
+    snapshots: list[Snapshot],
+    factors: Mapping[str, Callable[[Any], int]],
+    minigrid: bool,
+) -> dict[str, Int32[np.ndarray, "S"]]:
+    """The labels of all states, those of Minigrid and those asked for."""
+    if not factors and not minigrid:
+        return {}
+    asked: dict[str, list[Any]] = {name: [] for name in factors}
 
-    Attributes:
-        save: from an environment to what is kept of its state; the environment may go on.
-        load: from what was kept to an environment in that state.
-        identity: from an environment to what makes two of its states the same.
-    """
+    def loaded() -> Iterator[Any]:
+        for snapshot in snapshots:
+            env = unwrapped(access.load(snapshot))
+            for name, label in factors.items():
+                asked[name].append(label(env))
+            yield env
 
-    save: Callable[[Any], Any]
-    load: Callable[[Any], Any]
-    identity: Callable[[Any], Hashable]
-
-
-def marker(inner: Any) -> Callable[[Any], Hashable]:
-    """What makes two states of an (unwrapped) environment the same."""
-    return _by_state if _keeps_states(inner) else identity
-
-
-def _keeps_states(inner: Any) -> bool:
-    return all(callable(getattr(inner, name, None)) for name in ("get_state", "set_state"))
-
-
-def _by_state(env: Any) -> Hashable:
-    return frozen(env.get_state(), "get_state()")
+    named = minigrid_factors(loaded()) if minigrid else {}
+    if not minigrid:
+        deque(loaded(), maxlen=0)
+    return named | {name: _labels(name, values) for name, values in asked.items()}
 
 
-@contextmanager
-def first_state(env: Any, seed: int | None) -> Iterator[tuple[Any, Saved]]:
-    """An environment of our own in the first state, and how its states are kept."""
-    inner = env.unwrapped
-    if _keeps_states(inner):
-        before = copy.deepcopy(inner.get_state())
-
-        def load(state: Any) -> Any:
-            inner.set_state(copy.deepcopy(state))
-            return inner
-
-        def save(env: Any) -> Any:
-            return copy.deepcopy(env.get_state())
-
-        saved = Saved(save, load, _by_state)
-        try:
-            if seed is not None:
-                inner.reset(seed=seed)
-            yield inner, saved
-        finally:
-            inner.set_state(before)
-        return
-    first = _copied(env)
-    if seed is not None:
-        first.reset(seed=seed)
-    first = first.unwrapped
-
-    def copied_in_time(state: Any) -> Any:
-        loaded = _copied(state)
-        keep_counters(first, loaded)
-        return loaded
-
-    yield first, Saved(lambda env: env, copied_in_time, identity)
-
-
-def _copied(env: Any) -> Any:
-    try:
-        return copy.deepcopy(env)
-    except Exception as error:  # whatever the environment's own parts raise
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ValueError(
-            f"{type(env.unwrapped).__name__} cannot be copied ({reason}); make it without a "
-            "renderer, or give it get_state() and set_state(state)"
-        ) from None
-
-
-@dataclass(frozen=True)
-class _Step:
-    """Where a step led, and what was had for it."""
-
-    after: Any
-    identity: Hashable
-    reward: float
-    terminated: bool
-
-
-def _certain_step(
-    saved: Saved, state: Any, action: int, number: int, mark: Callable[[Any], Hashable]
-) -> _Step:
-    """One step from a state. Raises if chance decides on where it leads."""
-    step, drew = _step(saved, state, action, mark, None)
-    for chance in range(_RETRIES if drew else 0):
-        other, _ = _step(saved, state, action, mark, chance)
-        if other.identity != step.identity or (other.reward, other.terminated) != (
-            step.reward,
-            step.terminated,
-        ):
-            raise ValueError(
-                f"action {action} in state {number} has more than one outcome; only "
-                "deterministic environments can be enumerated: give the probabilities to "
-                "TabularMDP.stochastic"
-            )
-    return step
-
-
-def _step(
-    saved: Saved, state: Any, action: int, mark: Callable[[Any], Hashable], chance: int | None
-) -> tuple[_Step, bool]:
-    """One step, with other random numbers if asked, and whether it drew any."""
-    env = saved.load(state)
-    if chance is not None:
-        env.np_random.bit_generator.state = np.random.default_rng(chance).bit_generator.state
-    before = env.np_random.bit_generator.state
-    _, reward, terminated, _, _ = env.step(action)
-    drew = env.np_random.bit_generator.state != before
-    return _Step(saved.save(env), mark(env), float(reward), bool(terminated)), drew
-
-
-def _labels(name: str, values: list[int]) -> Int32[np.ndarray, "S"]:
+def _labels(name: str, values: list[Any]) -> Int32[np.ndarray, "S"]:
     labels = np.array(values)
     if labels.ndim != 1 or labels.dtype.kind not in "biu":
         raise ValueError(f"factor {name!r} is not a whole number in every state; return an int")

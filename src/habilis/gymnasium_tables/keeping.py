@@ -2,70 +2,66 @@
 
 import inspect
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import UInt8
 
 from habilis.cache import Arrays, fingerprint, kept
-from habilis.gymnasium_tables.enumeration import (
-    Enumerated,
-    action_count,
-    enumerate_states,
-    first_state,
-)
-from habilis.gymnasium_tables.identity import digest
+from habilis.gymnasium_tables.enumeration import Enumerated, action_count, enumerate_states
+from habilis.gymnasium_tables.identity import view
+from habilis.gymnasium_tables.snapshots import Access, Identity, access, layers
+from habilis.gymnasium_tables.verification import follows, verified
 from habilis.mdp import TabularMDP
 
-_EDITION = 1  # of what is kept: to be raised when it becomes another
-_STEPS = 50  # of the walk by which a table from the disk is tried
+_EDITION = 2  # of what is kept: to be raised when it becomes another
+_SECONDS = 0.5  # of replays with which a table from the disk is tried
 _FACTOR = "factor "
 
 
-@dataclass(frozen=True)
-class States:
-    """The states of an enumerated environment.
-
-    Attributes:
-        mdp: their table.
-        digests: of each state's mark (see `identity.digest`).
-    """
-
-    mdp: TabularMDP
-    digests: UInt8[np.ndarray, "S 32"]
-
-
-def kept_states(env: Any, max_states: int, seed: int | None) -> States:
+def kept_states(env: Any, max_states: int, seed: int | None, identity: Identity) -> Enumerated:
     """The table of an environment by enumeration; the second time from the disk.
 
-    What is kept goes by the first state and by the source of the environment's classes. Since
-    a table from the disk could be that of other code still, it is tried by a random walk first.
+    What is kept goes by the first state, the wrappers, and the source of their classes. Since a
+    table from the disk could be that of other code still, it is tried by replays first.
 
     Args:
         env, max_states, seed: as in `TabularMDP.from_gymnasium`.
+        identity: what makes two states the same; with functions of the user's, nothing is kept.
+
+    Returns:
+        The table, without snapshots of its states.
 
     Raises:
-        ValueError: as there.
+        ValueError: as in `TabularMDP.from_gymnasium`.
     """
+    with access(env, seed, identity) as states:
 
-    def compute() -> Arrays:
-        return _arrays(enumerate_states(env, max_states, seed, None, None, False))
+        def compute() -> Arrays:
+            found = enumerate_states(states, action_count(env), max_states, None, False)
+            verified(states, found, env, identity)
+            return _arrays(found)
 
-    with first_state(env, seed) as (first, saved):
-        code = _code(type(first))
-        if code is None:
-            return _states(compute())
-        begin = digest(saved.identity(first)).hex()
-        name = fingerprint("states", _EDITION, begin, code, max_states, action_count(env))
+        code = _code(env)
+        if code is None or identity.key is not None or identity.state is not None:
+            return _enumerated(compute())
+        begin = view(states.begin(), strict=False).digest
+        name = fingerprint(
+            *("states", _EDITION, begin, states.first.seen.digest, code, max_states),
+            *(action_count(env), tuple(identity.ignore)),
+        )
+        return _enumerated(kept(name, compute, accept=lambda arrays: _agrees(states, env, arrays)))
 
-    return _states(kept(name, compute, accept=lambda arrays: _agrees(env, seed, arrays)))
+
+def _agrees(states: Access, env: Any, arrays: Arrays) -> bool:
+    """Whether an environment does what a table from the disk says."""
+    return follows(states, _enumerated(arrays), env, _SECONDS)
 
 
-def _code(kind: type) -> str | None:
-    """What an environment's classes are made of; `None` where that cannot be read."""
+def _code(env: Any) -> str | None:
+    """What the classes of an environment and its wrappers are made of; `None` if not readable."""
     parts = []
-    for cls in kind.__mro__[:-1]:
+    for cls in (cls for layer in layers(env) for cls in type(layer).__mro__[:-1]):
         package = sys.modules.get(cls.__module__.partition(".")[0])
         try:
             source = inspect.getsource(cls)
@@ -75,41 +71,23 @@ def _code(kind: type) -> str | None:
     return fingerprint(parts)
 
 
-def _agrees(env: Any, seed: int | None, arrays: Arrays) -> bool:
-    """Whether an environment does what a table says, on a random walk from its first state."""
-    actions = np.random.default_rng(0).integers(action_count(env), size=_STEPS)
-    with first_state(env, seed) as (first, saved):
-        walker, state = saved.load(saved.save(first)), 0
-        for action in actions:
-            if arrays["terminal"][state]:
-                break
-            _, reward, terminated, _, _ = walker.step(int(action))
-            seen = np.frombuffer(digest(saved.identity(walker)), np.uint8)
-            after = arrays["next_state"][state, action]
-            if (
-                not np.array_equal(seen, arrays["digests"][after])
-                or np.float32(reward) != arrays["reward"][state, action]
-                or terminated != arrays["terminal"][after]
-            ):
-                return False
-            state = after
-    return True
-
-
 def _arrays(found: Enumerated) -> Arrays:
     mdp = found.mdp
-    marks = b"".join(digest(mark) for mark in found.place)  # in the order of their places
+    digests = b"".join(digest for digest, _ in found.marks)
     return {
         "next_state": mdp.next_state,
         "reward": mdp.reward,
         "terminal": mdp.terminal,
-        "digests": np.frombuffer(marks, np.uint8).reshape(mdp.states, -1),
+        "digests": np.frombuffer(digests, np.uint8).reshape(mdp.states, -1),
+        "observed": found.observed,
+        "parent": found.parent,
+        "action": found.action,
         "actions": np.array(mdp.actions, np.str_),
         **{_FACTOR + name: labels for name, labels in mdp.factors.items()},
     }
 
 
-def _states(arrays: Arrays) -> States:
+def _enumerated(arrays: Arrays) -> Enumerated:
     mdp = TabularMDP.deterministic(arrays["next_state"], arrays["reward"], arrays["terminal"])
     factors = {
         name.removeprefix(_FACTOR): labels
@@ -117,4 +95,9 @@ def _states(arrays: Arrays) -> States:
         if name.startswith(_FACTOR)
     }
     mdp = replace(mdp, factors=factors, actions=tuple(arrays["actions"].tolist()))
-    return States(mdp, arrays["digests"])
+    marks = [
+        (row.tobytes(), bool(ended))
+        for row, ended in zip(arrays["digests"], mdp.terminal, strict=True)
+    ]
+    paths = (arrays["observed"], arrays["parent"], arrays["action"])
+    return Enumerated(mdp, marks, [], *paths, seconds=0.0)

@@ -8,7 +8,7 @@ import pytest
 import habilis as hb
 from habilis.gymnasium_tables import keeping
 from habilis.gymnasium_tables.enumeration import enumerate_states
-from habilis.gymnasium_tables.identity import digest
+from habilis.gymnasium_tables.snapshots import Identity
 
 RULE = {"prize": 1.0}
 
@@ -46,6 +46,10 @@ def counted(tmp_path, monkeypatch):
     return calls
 
 
+def kept(env, limit):
+    return keeping.kept_states(env, limit, 0, Identity())
+
+
 def same(one, other):
     assert np.array_equal(one.next_state, other.next_state)
     assert np.array_equal(one.reward, other.reward)
@@ -58,34 +62,55 @@ def same(one, other):
 @pytest.mark.parametrize("make", [Line, lambda: gymnasium.make("MiniGrid-DoorKey-5x5-v0")])
 def test_the_table_from_the_disk_is_the_enumerated_one(counted, make):
     for _ in range(2):
-        same(keeping.kept_states(make(), 1000, 0).mdp, hb.TabularMDP.from_gymnasium(make()))
+        same(kept(make(), 1000).mdp, hb.TabularMDP.from_gymnasium(make()))
     assert len(counted) == 1
 
 
 def test_another_first_state_or_limit_is_another_table(counted):
     for begin, limit in [(0, 10), (1, 10), (0, 11)]:
-        keeping.kept_states(Line(begin), limit, 0)
+        kept(Line(begin), limit)
     assert len(counted) == 3
 
 
 def test_a_table_that_the_environment_no_longer_follows_is_made_again(counted, monkeypatch):
-    keeping.kept_states(Line(), 10, 0)
+    kept(Line(), 10)
     monkeypatch.setitem(RULE, "prize", 2.0)
-    assert keeping.kept_states(Line(), 10, 0).mdp.reward.max() == 2
+    assert kept(Line(), 10).mdp.reward.max() == 2
     assert len(counted) == 2
 
 
 def test_other_code_is_another_table(counted):
-    keeping.kept_states(Line(), 10, 0)
+    kept(Line(), 10)
     source = "class Other(Line):\n    'No source to read.'\n"
     names = {"Line": Line, "__name__": __name__}
     exec(source, names)
     for _ in range(2):
-        keeping.kept_states(names["Other"](), 10, 0)
+        kept(names["Other"](), 10)
     assert len(counted) == 3  # nothing is kept of classes whose code cannot be read
 
 
-def test_digests_do_not_depend_on_the_order_of_a_set():
-    one, other = frozenset("abcdefgh"), frozenset("hgfedcba")
-    assert digest((1, one)) == digest((1, other))
-    assert digest((1, one)) != digest((1, frozenset("abcdefg")))
+class Slowed(gymnasium.Wrapper):
+    """A step goes nowhere where the environment inside is in the last cell but one."""
+
+    def step(self, action):
+        if self.unwrapped.cell == 3:
+            return 3, 0.0, False, False, {}
+        return self.env.step(action)
+
+
+def test_wrappers_are_part_of_what_a_table_is_kept_for(counted):
+    kept(Line(), 10)
+    with pytest.raises(ValueError, match="Slowed changes what a step does"):
+        kept(Slowed(Line()), 10)
+
+
+def test_ignored_attributes_are_part_of_what_a_table_is_kept_for(counted):
+    for ignore in [(), ("begin",), ("begin",)]:
+        keeping.kept_states(Line(), 10, 0, Identity(ignore=ignore))
+    assert len(counted) == 2
+
+
+def test_nothing_is_kept_where_functions_say_what_a_state_is(counted):
+    for _ in range(2):
+        keeping.kept_states(Line(), 10, 0, Identity(key=lambda env: env.cell))
+    assert len(counted) == 2
