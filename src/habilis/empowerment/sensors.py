@@ -44,12 +44,18 @@ def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
         ones = np.ones(mdp.states)
         return csr_array((ones, labels, np.arange(mdp.states + 1)), (mdp.states, count))
     given = sensor if is_sparse(sensor) else as_array("sensor", sensor)
-    if shape_of(given)[0] != mdp.states:
+    rows, columns = shape_of(given)
+    if rows != mdp.states == columns:
         raise ValueError(
-            f"sensor has {shape_of(given)[0]} rows; give one integer label, or a row of "
+            f"sensor has {rows} rows and a column for each of the {columns} states; transpose it: "
+            "rows are states"
+        )
+    if rows != mdp.states:
+        raise ValueError(
+            f"sensor has {rows} rows; give one integer label, or a row of "
             f"probabilities, for each of the {mdp.states} states"
         )
-    return row_stochastic("sensor", given, "state {}")
+    return row_stochastic("sensor", given, "state {}", "states")
 
 
 def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"], int]:
