@@ -85,9 +85,13 @@ def _certain_table(
         )
     if is_noisy(sensor):
         raise ValueError("the sensor is noisy; give a factor's name, 'state' or int[S] labels")
-    if len(used) == mdp.action_count:
-        return mdp.next_state
-    return np.ascontiguousarray(mdp.next_state[:, used])
+    table = mdp.next_state
+    if len(used) < mdp.action_count:
+        table = np.ascontiguousarray(table[:, used])
+    if table.min() >= 0:
+        return table
+    # To stay where one is changes neither what can be reached nor the components.
+    return np.where(table < 0, np.arange(mdp.states, dtype=np.int32)[:, None], table)
 
 
 @njit(cache=True, nogil=True)
