@@ -105,7 +105,7 @@ def test_futures_are_sequences_that_can_surely_be_carried_out(seed: int, horizon
     mdp, state = TabularMDP.stochastic(P), int(rng.integers(len(P)))
     given, used = any_actions(rng, P.shape[1])
     found = futures(mdp, state, horizon, actions=given)
-    sure = {s: belief for s, belief in sure_sequences(P, state, horizon, used)}
+    sure = dict(sure_sequences(P, state, horizon, used))
     assert found.sequences.shape == (len(found.probability), horizon)
     assert len(found.sequences) == 0 if not sure else found.probability.sum() == pytest.approx(1)
     for sequence, row in zip(found.sequences.tolist(), found.channel, strict=True):

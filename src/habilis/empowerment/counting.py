@@ -4,9 +4,9 @@ Two ways to the same number, |O_h(s)| with
 
     O_0(s) = {o(s)},   O_h(s) = union over a of O_{h-1}(next(s, a)),
 
-where o(s) is what the sensor shows in s: nothing where the label is -1. With few labels, all states' sets are carried backward
-together, one bit a label. With many, each state's set of reachable states is grown forward and
-its labels are counted at the end.
+where o(s) is what the sensor shows in s: nothing where the label is -1. With few labels, all
+states' sets are carried backward together, one bit a label. With many, each state's set of
+reachable states is grown forward and its labels are counted at the end.
 """
 
 from collections import deque

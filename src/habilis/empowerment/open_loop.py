@@ -118,8 +118,9 @@ def sampled(problem: Problem, start: int, samples: int, seed: int) -> Answer:
     """A lower bound from some sequences of actions, drawn uniformly.
 
     Where actions are not available everywhere, each step is drawn uniformly from those that surely
-    are; sequences that end before h actions are left out. The gap is to the least of what is known of the whole without looking at all sequences: the
-    logarithms of the number of sequences and of the number of possible observations.
+    are; sequences that end before h actions are left out. The gap is to the least of what is known
+    of the whole without looking at all sequences: the logarithms of the number of sequences and of
+    the number of possible observations.
     """
     actions, horizon = problem.successors.actions, problem.horizon
     rng = np.random.default_rng([seed, start])

@@ -45,15 +45,13 @@ def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
         return csr_array((ones, labels, np.arange(mdp.states + 1)), (mdp.states, count))
     given = sensor if is_sparse(sensor) else as_array("sensor", sensor)
     rows, columns = shape_of(given)
-    if rows != mdp.states == columns:
-        raise ValueError(
-            f"sensor has {rows} rows and a column for each of the {columns} states; transpose it: "
-            "rows are states"
-        )
     if rows != mdp.states:
+        transposed = columns == mdp.states and given.dtype.kind in "biuf"
+        transposed = transposed and np.allclose(given.sum(axis=0), 1)
         raise ValueError(
             f"sensor has {rows} rows; give one integer label, or a row of "
             f"probabilities, for each of the {mdp.states} states"
+            + (": its columns sum to 1, so transpose it" if transposed else "")
         )
     return row_stochastic("sensor", given, "state {}", "states")
 
