@@ -48,7 +48,9 @@ ALGORITHMS = [
         id="ppo",
     ),
     pytest.param(QLearning(epsilon=1.0, epsilon_end=1.0, discount=0.9), 2000, id="q-learning"),
-    pytest.param(SoftValueIteration(rollout=10, temperature=0.1, discount=0.9), 200, id="soft values"),
+    pytest.param(
+        SoftValueIteration(rollout=10, temperature=0.1, discount=0.9), 200, id="soft values"
+    ),
 ]
 
 
