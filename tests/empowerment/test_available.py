@@ -196,7 +196,8 @@ def test_limits_are_estimated_where_nothing_can_be_done(horizon: int):
 
 def test_a_table_whose_actions_are_nowhere_available_has_no_empowerment():
     mdp = TabularMDP.deterministic([[-1, -1], [-1, -1]])
-    for options in ({}, {"sensor": np.eye(2)}, {"method": "sampled"}):
+    each: list[dict[str, Any]] = [{}, {"sensor": np.eye(2)}, {"method": "sampled"}]
+    for options in each:
         for horizon in (0, 1, 5):
             bits, gap = hb.empowerment(mdp, horizon, return_gap=True, **options)
             assert bits.tolist() == gap.tolist() == [0, 0]

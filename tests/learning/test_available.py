@@ -131,7 +131,7 @@ def test_uniform_exploration_is_uniform_over_the_available_actions():
         task, QLearning(), numbers, jax.numpy.float32(0), jax.random.key(0), lambda t: t * 0.0
     )
     draws = (np.arange(3000) + 0.5) / 3000
-    states = np.zeros(3000, np.int32)
+    states = jax.numpy.zeros(3000, int)
     learner = q_learning.start(task, 0, QLearning(), jax.random.key(0))
     actions, _ = q_learning.act(context, learner, states, jax.numpy.asarray(draws, np.float32))
     counts = np.bincount(np.asarray(actions), minlength=5)
@@ -142,13 +142,13 @@ def test_uniform_exploration_is_uniform_over_the_available_actions():
 
 
 def test_the_last_draw_takes_an_available_action():
-    almost = np.array([np.nextafter(np.float32(1), np.float32(0))])
+    almost = jax.numpy.array([np.nextafter(np.float32(1), np.float32(0))])
     for seed in range(200):
         rng = np.random.default_rng(seed)
         there = rng.random((1, 7)) < 0.5
         there[0, 2] = True
-        logits = rng.normal(size=(1, 7)).astype(np.float32) * 5
-        for draw in (almost, np.zeros(1, np.float32)):
+        logits = jax.numpy.asarray(rng.normal(size=(1, 7)) * 5, np.float32)
+        for draw in (almost, jax.numpy.zeros(1)):
             assert there[0, int(sampled(logits, draw, jax.numpy.asarray(there))[0])]
 
 
