@@ -167,6 +167,19 @@ def test_what_is_nearly_impossible_still_decides_what_is_available():
         assert set(found.sequences[:, 0].tolist()) == {order.index(0)}
 
 
+def test_a_possibility_however_small_is_not_forgotten():
+    # State 0 is left with probability 0.9 a step, and lacks action 1; state 1 has it, to 2.
+    P = np.zeros((3, 2, 3))
+    P[0, 0] = 0.1, 0.9, 0
+    P[1] = np.eye(3)[[1, 2]]
+    P[2] = np.eye(3)[[2, 2]]
+    mdp, horizon = TabularMDP.stochastic(P), 400  # 0.1 ** 400 is 0 in float64
+    bits, gap = hb.empowerment(mdp, horizon, return_gap=True)
+    assert bits[0] == gap[0] == 0
+    assert bits[1] == 1
+    assert hb.empowerment(mdp, horizon, method="sampled", samples=5)[0] == 0
+
+
 @settings(max_examples=60, deadline=None)
 @given(SEEDS)
 def test_persistence_goes_by_the_cycles_that_are_available(seed: int):

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 SAME = 1e-14  # beliefs that differ by no more in any entry are one: what rounding can do
 
+_LEAST = float(np.finfo(np.float64).tiny)  # of what is possible: it must not round to 0
+
 _GRAIN = float(2**30)  # coarse, so that rounding seldom puts the same beliefs in two places
 _OFFSET = 0.318309886  # keeps round numbers away from the grains' edges
 
@@ -315,7 +317,10 @@ def _advance(matrix, first, state, probability, actions, most, partial):
                 weight = matrix[i, s]
                 if weight != 0.0:
                     for k in range(first[s * actions + a], first[s * actions + a + 1]):
-                        row[state[k]] += weight * probability[k]
+                        share = weight * probability[k]
+                        if partial and share < _LEAST:
+                            share = _LEAST
+                        row[state[k]] += share
             key = _key(row)
             slot = _find(row, key, slots, keys, rows, found, partial)
             if slots[slot] < 0:
@@ -399,5 +404,5 @@ def _wander(draws, first, state, probability, actions):
             for s in range(width):
                 if before[s] != 0.0:
                     for k in range(first[s * actions + a], first[s * actions + a + 1]):
-                        rows[i, state[k]] += before[s] * probability[k]
+                        rows[i, state[k]] += max(before[s] * probability[k], _LEAST)
     return rows, complete
