@@ -259,3 +259,26 @@ def test_steps_of_a_task_are_those_of_the_table():
         taken = np.bincount(actions[states == state], minlength=3) / (states == state).sum()
         even = ROW.available[state] / ROW.available[state].sum()
         assert np.abs(taken - even).max() < 0.1
+
+
+def test_the_first_pass_of_ppo_has_the_policy_that_acted():
+    # The probabilities' ratio is 1 then, and the loss minus the mean advantage, which is 0.
+    algorithm = PPO(epochs=1, minibatches=1, normalise=True, value=0.0, entropy=0.0, rollout=16)
+    learned = learn(ROW, Config(algorithm=algorithm, episode_limit=30), 1)
+    assert abs(learned.loss[0]) < 1e-5
+
+
+@pytest.mark.parametrize(
+    "algorithm",
+    [
+        replace(QUICK_A2C, entropy=1.0, value=0.0),
+        PPO(epochs=1, minibatches=1, entropy=1.0, value=0.0, rollout=4, normalise=True),
+    ],
+    ids=["a2c", "ppo"],
+)
+def test_where_there_is_no_choice_there_is_nothing_to_learn(algorithm):
+    # One action a state: its probability is 1, so both its logarithm and the entropy are 0.
+    mdp = TabularMDP.deterministic([[1, -1, -1], [-1, -1, 2], [-1, 0, -1]], np.ones((3, 3)))
+    learned = learn(mdp, Config(algorithm=algorithm, episode_limit=30), 1)
+    assert abs(learned.loss[0]) < 1e-5
+    assert np.allclose(learned.policy, mdp.available)
