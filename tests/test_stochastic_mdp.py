@@ -65,7 +65,7 @@ def test_rewards_and_ends_are_kept():
         (np.ones((2, 1, 3)) / 3, "P has shape (2, 1, 3)"),
         ([[[1.0]], [[1.0, 0.0]]], "P is ragged"),
         ([[[0.5, 0.4]], [[1.0, 0.0]]], "P, action 0, state 0 sums to 0.9; divide each row"),
-        ([[[1.0, 0.0]], [[0.0, 0.0]]], "P, action 0, state 1 sums to 0"),
+        ([[[1.0, 0.0]], [[0.0, 1e-3]]], "P, action 0, state 1 sums to 0.001; divide each row"),
         ([[[1.5, -0.5]], [[1.0, 0.0]]], "P, action 0, state 0, column 1 is -0.5"),
         ([[[np.nan, 1.0]], [[1.0, 0.0]]], "P, action 0, state 0, column 0 is nan"),
         (csr_array(np.eye(2)), "P is one sparse matrix; give a sequence of them"),

@@ -9,7 +9,15 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int32
 from numpy.typing import ArrayLike
 
-from habilis.probabilities import as_array, is_sparse, row_stochastic, shape_of
+from habilis.mdp_arguments import (
+    Axes,
+    next_states,
+    only_rows,
+    rewards_and_ends,
+    self_loops,
+    simplest,
+    transition_matrix,
+)
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -46,8 +54,10 @@ class TabularMDP:
     Attributes:
         transitions: where actions lead. Deterministic: int32[S, A], the next state. Stochastic:
             sparse float64[S * A, S], in row `s * A + a` the probabilities of the next states.
-            Terminal states have successors too: the dynamics do not know of episodes.
-        reward: float32[S, A]; in a stochastic MDP the mean over next states.
+            Where an action is not available: -1, and an empty row. Terminal states have
+            successors too: the dynamics do not know of episodes.
+        reward: float32[S, A]; in a stochastic MDP the mean over next states; 0 where an action is
+            not available.
         terminal: bool[S], the states whose entry ends an episode.
         factors: by name, an int32[S] label of what the state says of one thing in it. In a
             world: "agent", "tool", "object", each `row * width + column`; of several things see
@@ -76,14 +86,19 @@ class TabularMDP:
         reward: ArrayLike | None = None,
         terminal: ArrayLike | None = None,
         start: int = 0,
+        available: ArrayLike | None = None,
     ) -> "TabularMDP":
         """An MDP from its transition table.
 
         Args:
-            next_state: int[S, A], the state that each action leads to.
+            next_state: int[S, A], the state that each action leads to; -1 for an action that is
+                not available in that state.
             reward: float[S, A]; zero everywhere if left out.
-            terminal: bool[S]; nowhere if left out.
+            terminal: bool[S]; nowhere if left out. A terminal state without actions gets
+                self-loops with reward 0.
             start: the state in which episodes begin.
+            available: bool[S, A], which actions are available in each state; what next_state and
+                reward have elsewhere is ignored. By default those whose next state is not -1.
 
         Returns:
             The MDP, without factors.
@@ -95,25 +110,17 @@ class TabularMDP:
         Example:
             >>> TabularMDP.deterministic([[0, 1], [1, 0]]).states
             2
+            >>> TabularMDP.deterministic([[0, 1], [-1, 0]]).available
+            array([[ True,  True],
+                   [False,  True]])
         """
-        table = as_array("next_state", next_state)
-        if table.ndim != 2 or table.size == 0 or not np.issubdtype(table.dtype, np.integer):
-            raise ValueError(
-                f"next_state has shape {table.shape} and type {table.dtype}; "
-                "give integers of shape [states, actions]"
-            )
-        outside = np.argwhere((table < 0) | (table >= len(table)))
-        if len(outside):
-            state, action = outside[0]
-            raise ValueError(
-                f"next_state[{state}, {action}] is {table[state, action]}; "
-                f"use states 0 to {len(table) - 1}"
-            )
-        return cls(
-            np.array(table, np.int32, order="C"),
-            *_rewards_and_ends(table.shape, reward, terminal, start),
-            start=int(start),
-        )
+        table = next_states(next_state, available)
+        there = table >= 0
+        reward, terminal = rewards_and_ends(there, reward, terminal, start)
+        if not there.all():
+            still = terminal & ~there.any(axis=1)
+            table[still] = np.flatnonzero(still)[:, None]
+        return cls(table, reward, terminal, start=int(start))
 
     @classmethod
     def stochastic(
@@ -122,54 +129,45 @@ class TabularMDP:
         reward: ArrayLike | None = None,
         terminal: ArrayLike | None = None,
         start: int = 0,
+        available: ArrayLike | None = None,
+        axes: Axes | None = None,
     ) -> "TabularMDP":
         """An MDP from its transition probabilities.
 
         Args:
-            P: float[S, A, S], the probability of each next state, or a sequence of A scipy.sparse
-                matrices [S, S]. (Dense matrices, one an action: `np.stack(matrices, axis=1)`.)
+            P: the probability of each next state: an array or nested lists, float[S, A, S]; or a
+                list of A matrices [S, S], one an action, dense or scipy.sparse. A row of zeros is
+                an action that is not available in that state.
             reward: float[S, A], the mean over next states; zero everywhere if left out.
-            terminal: bool[S]; nowhere if left out.
+            terminal: bool[S]; nowhere if left out. A terminal state without actions gets
+                self-loops with reward 0.
             start: the state in which episodes begin.
+            available: bool[S, A], which actions are available in each state; what P and reward
+                have elsewhere is ignored. By default those whose row of P is not zero.
+            axes: what the axes of P are, "SAS" for [states, actions, next states] or "ASS" for
+                [actions, states, next states]; by default as said of P. A list of as many dense
+                matrices as there are states could be either, and needs it.
 
         Returns:
-            The MDP; a deterministic one if every action in every state has one outcome.
+            The MDP; a deterministic one if no action in any state has several outcomes.
 
         Raises:
-            ValueError: the arrays do not fit each other or are empty, or a state's
-                probabilities under an action do not sum to one.
+            ValueError: the arrays do not fit each other or are empty, a state's probabilities
+                under an action do not sum to one, or P could be by state or by action.
 
         Example:
-            >>> wet = TabularMDP.stochastic([[[0.9, 0.1], [0.1, 0.9]], [[0.0, 1.0], [0.0, 1.0]]])
+            >>> left, right = np.array([[1.0, 0.0], [0.9, 0.1]]), np.array([[0.1, 0.9], [0.0, 1.0]])
+            >>> wet = TabularMDP.stochastic([left, right], axes="ASS")
             >>> wet.is_stochastic
             True
         """
-        from scipy.sparse import csr_array, vstack
-
-        if is_sparse(P):
-            raise ValueError("P is one sparse matrix; give a sequence of them, one an action")
-        if not isinstance(P, Sequence) or not any(is_sparse(matrix) for matrix in P):
-            table = as_array("P", P)
-            if table.ndim != 3 or 0 in table.shape or len(table) != table.shape[2]:
-                raise ValueError(
-                    f"P has shape {table.shape}; give [states, actions, states], "
-                    "or a sequence of scipy.sparse matrices [states, states], one an action"
-                )
-            P = list(np.moveaxis(table, 1, 0))
-        each = [row_stochastic(f"P, action {a}", m, "state {}") for a, m in enumerate(P)]
-        states = shape_of(each[0])[0]
-        for action, matrix in enumerate(each):
-            if matrix.shape != (states, states):
-                raise ValueError(
-                    f"P, action {action} has shape {matrix.shape}; give {(states, states)}"
-                )
-        by_action = np.arange(states * len(each)).reshape(len(each), states)
-        stacked = csr_array(vstack(each, format="csr"))[by_action.T.ravel()]
-        return cls(
-            _next_states(stacked, len(each)),
-            *_rewards_and_ends((states, len(each)), reward, terminal, start),
-            start=int(start),
-        )
+        stacked, actions = transition_matrix(P, available, axes)
+        there = (np.diff(stacked.indptr) > 0).reshape(-1, actions)
+        reward, terminal = rewards_and_ends(there, reward, terminal, start)
+        still = np.flatnonzero(terminal & ~there.any(axis=1))
+        if len(still):
+            stacked = stacked + self_loops(still, actions, len(there))
+        return cls(simplest(stacked, actions), reward, terminal, start=int(start))
 
     @classmethod
     def from_gymnasium(
@@ -291,12 +289,12 @@ class TabularMDP:
         """This MDP when the chosen action may be replaced (rule 7 of the worlds).
 
         Args:
-            slip: the probability that an action drawn uniformly from all of them, the chosen
-                one among them, takes the place of the chosen one.
+            slip: the probability that an action drawn uniformly from those available in the
+                state, the chosen one among them, takes the place of the chosen one.
 
         Returns:
-            The MDP with `(1 - slip) P + slip * (mean of P over actions)`, rewards likewise; or
-            this one, if slip is 0.
+            The MDP with `(1 - slip) P + slip * (mean of P over available actions)`, rewards
+            likewise; or this one, if slip is 0. The same actions are available.
 
         Raises:
             ValueError: slip is no probability.
@@ -310,10 +308,20 @@ class TabularMDP:
             raise ValueError(f"slip is {slip!r}; give a probability from 0 to 1")
         if slip == 0:
             return self
+        there = self.available
+        counts = np.maximum(there.sum(axis=1), 1)
         intended = [self.transition(action) for action in range(self.action_count)]
-        any_action = sum(intended[1:], intended[0]) * (slip / self.action_count)
-        mixed = [(1 - slip) * one + any_action for one in intended]
-        reward = (1 - slip) * self.reward + slip * self.reward.mean(axis=1, keepdims=True)
+        any_action = sum(intended[1:], intended[0]).copy()
+        any_action.data *= np.repeat(slip / counts, np.diff(any_action.indptr))
+        if there.all():
+            mixed = [(1 - slip) * one + any_action for one in intended]
+        else:
+            mixed = [
+                (1 - slip) * one + only_rows(any_action, there[:, action])
+                for action, one in enumerate(intended)
+            ]
+        mean = self.reward.sum(axis=1, keepdims=True) / counts.astype(np.float32)[:, None]
+        reward = np.where(there, (1 - slip) * self.reward + slip * mean, 0)
         slipping = TabularMDP.stochastic(mixed)
         return replace(self, transitions=slipping.transitions, reward=reward.astype(np.float32))
 
@@ -324,7 +332,7 @@ class TabularMDP:
 
     @property
     def next_state(self) -> Int32[np.ndarray, "S A"]:
-        """int32[S, A], the state that each action leads to.
+        """int32[S, A], the state that each action leads to; -1 where it is not available.
 
         Raises:
             ValueError: the MDP is stochastic.
@@ -333,6 +341,27 @@ class TabularMDP:
             raise ValueError("this MDP is stochastic: it has no next_state; use transition(action)")
         return self.transitions
 
+    @property
+    def available(self) -> Bool[np.ndarray, "S A"]:
+        """bool[S, A], the actions A(s) that are available in each state."""
+        if isinstance(self.transitions, np.ndarray):
+            return self.transitions >= 0
+        return (np.diff(self.transitions.indptr) > 0).reshape(-1, self.action_count)
+
+    @property
+    def always_available(self) -> bool:
+        """Whether every action is available in every state."""
+        if isinstance(self.transitions, np.ndarray):
+            return self.transitions.size == 0 or int(self.transitions.min()) >= 0
+        return bool((np.diff(self.transitions.indptr) > 0).all())
+
+    @property
+    def ends(self) -> Bool[np.ndarray, "S"]:
+        """bool[S], the states in which an episode ends: terminal ones and those without actions."""
+        if self.always_available:
+            return self.terminal
+        return self.terminal | ~self.available.any(axis=1)
+
     def transition(self, action: int) -> "csr_array":
         """The transition matrix of an action.
 
@@ -340,14 +369,17 @@ class TabularMDP:
             action: its index, from 0 to A - 1.
 
         Returns:
-            Sparse float64[S, S]; row s has the probabilities of the states that follow s.
+            Sparse float64[S, S]; row s has the probabilities of the states that follow s, and is
+            empty where the action is not available.
         """
         from scipy.sparse import csr_array
 
         if isinstance(self.transitions, np.ndarray):
-            ends = np.ascontiguousarray(self.transitions[:, action])
-            ones = np.ones(self.states)
-            return csr_array((ones, ends, np.arange(self.states + 1)), (self.states,) * 2)
+            reached = self.transitions[:, action]
+            there = reached >= 0
+            first = np.concatenate([[0], np.cumsum(there)])
+            reached = reached[there]
+            return csr_array((np.ones(len(reached)), reached, first), (self.states,) * 2)
         return self.transitions[action :: self.action_count]
 
     @property
@@ -460,28 +492,3 @@ class TabularMDP:
         if self.shape is None or self.is_cell(self.factor_named(name)):
             return self.label(value)
         return operator.index(value)
-
-
-def _rewards_and_ends(
-    shape: tuple[int, int], reward: ArrayLike | None, terminal: ArrayLike | None, start: int
-) -> tuple[Float32[np.ndarray, "S A"], Bool[np.ndarray, "S"]]:
-    """What an MDP has besides its transitions, checked against their shape [S, A]."""
-    states = shape[0]
-    reward = np.zeros(shape) if reward is None else as_array("reward", reward)
-    terminal = np.zeros(states, bool) if terminal is None else as_array("terminal", terminal)
-    if reward.shape != shape:
-        raise ValueError(f"reward has shape {reward.shape}; give {shape}, [states, actions]")
-    if reward.dtype.kind not in "biuf" or not (abs(reward) <= np.finfo(np.float32).max).all():
-        raise ValueError("reward has entries that are not finite (in float32); give numbers")
-    if terminal.shape != (states,):
-        raise ValueError(f"terminal has shape {terminal.shape}; give ({states},)")
-    if not isinstance(start, int | np.integer) or not 0 <= start < states:
-        raise ValueError(f"start is {start}; use a state from 0 to {states - 1}")
-    return reward.astype(np.float32), terminal.astype(bool)
-
-
-def _next_states(stacked: "csr_array", actions: int) -> "Int32[np.ndarray, 'S A'] | csr_array":
-    """Transitions in their simplest form: one next state each where there is but one."""
-    if (np.diff(stacked.indptr) == 1).all():
-        return stacked.indices.astype(np.int32).reshape(-1, actions)
-    return stacked

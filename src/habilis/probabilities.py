@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from jaxtyping import Bool
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:  # SciPy takes as long to import as all the rest: only who needs it pays
@@ -35,13 +36,23 @@ def shape_of(matrix: Any) -> tuple[int, int]:
     return rows, columns
 
 
-def row_stochastic(name: str, values: Any, row: str = "row {}") -> "csr_array":
+def row_stochastic(
+    name: str,
+    values: Any,
+    row: str = "row {}",
+    rows_are: str = "inputs",
+    ignored: Bool[np.ndarray, "n"] | None = None,
+    empty: bool = False,
+) -> "csr_array":
     """A matrix whose rows are probability distributions.
 
     Args:
         name: what the caller calls it, for messages.
         values: float[n, m], dense or scipy.sparse.
         row: what row `{}` is called in messages.
+        rows_are: what rows stand for, for messages.
+        ignored: rows that are read as zeros, whatever they hold.
+        empty: whether a row may be all zeros.
 
     Returns:
         float64[n, m] without explicit zeros; each row divided by its sum, which takes away
@@ -62,6 +73,8 @@ def row_stochastic(name: str, values: Any, row: str = "row {}") -> "csr_array":
         )
     matrix = csr_array(values, dtype=np.float64, copy=True)
     matrix.sum_duplicates()
+    if ignored is not None:
+        matrix.data[np.repeat(ignored, np.diff(matrix.indptr))] = 0
     bad = np.flatnonzero(~((matrix.data >= 0) & (matrix.data < np.inf)))
     if len(bad):
         at = int(np.searchsorted(matrix.indptr, bad[0], side="right")) - 1
@@ -71,11 +84,19 @@ def row_stochastic(name: str, values: Any, row: str = "row {}") -> "csr_array":
         )
     sums = np.asarray(matrix.sum(axis=1))
     narrow = kind.kind == "f" and kind.itemsize < 8
-    off = np.flatnonzero(np.abs(sums - 1) > (_COARSE_ROUNDING if narrow else _ROUNDING))
-    if len(off):
-        raise ValueError(
-            f"{name}, {row.format(off[0])} sums to {sums[off[0]]:.12g}; divide each row by its sum"
-        )
+    rounding = _COARSE_ROUNDING if narrow else _ROUNDING
+    off = np.abs(sums - 1) > rounding
+    if empty:
+        off &= sums != 0
+        sums = np.where(sums == 0, 1, sums)
+    if off.any():
+        first = int(np.argmax(off))
+        problem = f"{name}, {row.format(first)} sums to {sums[first]:.12g}"
+        columns = np.asarray(matrix.sum(axis=0))
+        transposed = np.abs(columns - 1) <= rounding
+        if (transposed | (empty & (columns == 0))).all():
+            raise ValueError(f"{problem}, but every column to 1: rows are {rows_are}; transpose it")
+        raise ValueError(f"{problem}; divide each row by its sum")
     matrix.data /= np.repeat(sums, np.diff(matrix.indptr))
     matrix.eliminate_zeros()
     matrix.sort_indices()

@@ -287,6 +287,18 @@ def test_what_is_no_channel_is_refused(P: Any, message: str):
         hb.capacity(P)
 
 
+@pytest.mark.parametrize("shape", [(2, 2), (2, 5), (5, 2), (1, 3)])
+def test_a_channel_whose_columns_sum_to_one_is_to_be_transposed(shape: tuple[int, int]):
+    P = np.random.default_rng(0).dirichlet(np.ones(shape[1]), shape[0])
+    message = r"^P, row 0 sums to \S+, but every column to 1: rows are inputs; transpose it$"
+    for transposed in (P.T, P.T.astype(np.float32), csr_array(P.T), P.T.tolist()):
+        with pytest.raises(ValueError, match=message):
+            hb.capacity(transposed)
+    assert hb.capacity(P).bits >= 0
+    with pytest.raises(ValueError, match="divide each row by its sum"):
+        hb.capacity(P.T * 0.9)
+
+
 @pytest.mark.parametrize("tolerance", [0, -1e-6, np.nan, np.inf, "1e-6", None, True])
 def test_a_tolerance_that_is_no_number_above_zero_is_refused(tolerance: Any):
     with pytest.raises(ValueError, match="give a number of bits above 0"):

@@ -336,6 +336,12 @@ def test_what_else_runs_makes_no_estimate_larger(monkeypatch: pytest.MonkeyPatch
     [
         ({"sensor": np.full((2, 2), 0.5)}, "sensor has 2 rows; give one integer label"),
         ({"sensor": np.full((3, 2), 0.4)}, "sensor, state 0 sums to 0.8"),
+        ({"sensor": np.full((2, 3), 0.5)}, "3 states; its columns sum to 1: transpose it"),
+        ({"sensor": csr_array(np.full((2, 3), 0.5))}, "its columns sum to 1: transpose it"),
+        (
+            {"sensor": np.array([[0.5, 0.2, 0.3], [0.4, 0.2, 0.3], [0.1, 0.6, 0.4]])},
+            "sensor, state 1 sums to 0.9, but every column to 1: rows are states; transpose it",
+        ),
         ({"sensor": [[1.5, -0.5]] * 3}, "sensor, state 0, column 1 is -0.5"),
         ({"sensor": np.ones((3, 1, 1))}, "sensor has shape (3, 1, 1)"),
         ({"sensor": "nose"}, "sensor 'nose' is unknown"),

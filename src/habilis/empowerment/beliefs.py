@@ -2,20 +2,26 @@
 
 A belief is a distribution over next states. Sequences that lead to the same belief are one from
 then on, since nothing that follows can tell them apart; so beliefs are carried forward
-action by action and merged at every step.
+action by action and merged at every step. An action is available under a belief if it is in every
+state that the belief holds possible; other actions lead to no belief.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
 from numba import njit
 
+from habilis.mdp_arguments import UNAVAILABLE
+
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 SAME = 1e-14  # beliefs that differ by no more in any entry are one: what rounding can do
+
+_LEAST = float(np.finfo(np.float64).tiny)  # of what is possible: it must not round to 0
 
 _GRAIN = float(2**30)  # coarse, so that rounding seldom puts the same beliefs in two places
 _OFFSET = 0.318309886  # keeps round numbers away from the grains' edges
@@ -59,7 +65,8 @@ class Beliefs:
 class Successors:
     """The transitions under the chosen actions, as flat arrays for the kernels.
 
-    Row `s * A + a` of a sparse matrix: `state[first[row]:first[row + 1]]` are the next states.
+    Row `s * A + a` of a sparse matrix: `state[first[row]:first[row + 1]]` are the next states,
+    none where the action is not available.
     """
 
     first: Int64[np.ndarray, "rows_and_one"]
@@ -67,16 +74,34 @@ class Successors:
     probability: Float64[np.ndarray, "entries"]
     actions: int
 
-    @property
+    @cached_property
+    def always_available(self) -> bool:
+        """Whether every action is available in every state."""
+        return bool((np.diff(self.first) > 0).all())
+
+    @cached_property
     def certain(self) -> bool:
-        """Whether each action has one outcome."""
-        return len(self.state) == len(self.first) - 1
+        """Whether no action has several outcomes."""
+        if len(self.state) == len(self.first) - 1 and self.always_available:
+            return True
+        return bool((np.diff(self.first) <= 1).all())
+
+    @cached_property
+    def next_state(self) -> Int32[np.ndarray, "S A"]:
+        """Where actions lead if they are certain, -1 where they are not available."""
+        if self.always_available:
+            return self.state.reshape(-1, self.actions)
+        table = np.full(len(self.first) - 1, UNAVAILABLE, np.int32)
+        table[np.diff(self.first) > 0] = self.state
+        return table.reshape(-1, self.actions)
 
 
 def beliefs_after(
     successors: Successors, start: int, horizon: int, most_entries: int = 2**62
 ) -> Beliefs:
     """All distinct beliefs that sequences of h actions from a state lead to.
+
+    None where no sequence can surely be carried out.
 
     Raises:
         TooManyBeliefsError: at some step they are more than `most_entries` numbers.
@@ -88,9 +113,10 @@ def beliefs_after(
     matrix = np.zeros((1, len(states)))
     matrix[0, 0] = 1.0
     steps = []
+    partial = not successors.always_available
     for t in range(horizon):
         matrix, parent, action = _advance(
-            matrix, local.first, local.state, local.probability, local.actions, most
+            matrix, local.first, local.state, local.probability, local.actions, most, partial
         )
         if len(matrix) > most:
             raise TooManyBeliefsError(t)
@@ -102,10 +128,12 @@ def _ends(successors: Successors, start: int, horizon: int) -> Beliefs:
     """`beliefs_after` where nothing is uncertain: a belief is a state."""
     from scipy.sparse import csr_array, eye_array
 
-    next_state = successors.state.reshape(-1, successors.actions)
+    next_state = successors.next_state
     here, steps = np.array([start], np.int32), []
     for _ in range(horizon):
         here, index = np.unique(next_state[here], return_index=True)
+        if len(here) and here[0] == UNAVAILABLE:
+            here, index = here[1:], index[1:]
         parent, action = np.divmod(index.astype(np.int32), successors.actions)
         steps.append((parent, action))
     return Beliefs(here, csr_array(eye_array(len(here))), tuple(steps))
@@ -118,6 +146,23 @@ def followed(
     states, local = _around(successors, start, sequences.shape[1])
     matrix = _follow(sequences, local.first, local.state, local.probability, local.actions)
     return states, matrix
+
+
+def wandered(
+    successors: Successors, start: int, draws: Float64[np.ndarray, "n h"]
+) -> tuple[Int32[np.ndarray, "N"], Float64[np.ndarray, "k N"]]:
+    """As `followed`, of sequences drawn step by step, uniformly from what is surely available.
+
+    Those that come to where nothing surely is are left out.
+
+    Args:
+        successors: the transitions.
+        start: the state.
+        draws: a uniform number from [0, 1) for each step of each sequence.
+    """
+    states, local = _around(successors, start, draws.shape[1])
+    matrix, complete = _wander(draws, local.first, local.state, local.probability, local.actions)
+    return states, matrix[complete]
 
 
 def states_within(
@@ -214,8 +259,12 @@ def _key(row):
 
 
 @njit(cache=True, nogil=True)
-def _find(row, key, slots, keys, rows, count):
-    """The slot of a row like this one, or the free slot where it belongs."""
+def _find(row, key, slots, keys, rows, count, partial):
+    """The slot of a row like this one, or the free slot where it belongs.
+
+    Where actions are not available everywhere (`partial`), rows that are alike have their zeros in
+    the same places: what is possible at all decides which actions are.
+    """
     mask = np.uint64(len(slots) - 1)
     slot = key & mask
     while slots[slot] >= 0:
@@ -226,6 +275,9 @@ def _find(row, key, slots, keys, rows, count):
                 if abs(row[i] - rows[known, i]) > SAME:
                     same = False
                     break
+                if partial and (row[i] == 0.0) != (rows[known, i] == 0.0):
+                    same = False
+                    break
             if same:
                 return slot
         slot = (slot + np.uint64(1)) & mask
@@ -233,7 +285,16 @@ def _find(row, key, slots, keys, rows, count):
 
 
 @njit(cache=True, nogil=True)
-def _advance(matrix, first, state, probability, actions, most):
+def _surely(belief, first, actions, a):
+    """Whether an action is available in every state that a belief holds possible."""
+    for s in range(len(belief)):
+        if belief[s] != 0.0 and first[s * actions + a] == first[s * actions + a + 1]:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _advance(matrix, first, state, probability, actions, most, partial):
     """One action more: the distinct beliefs, and from which row and by what they came about."""
     count, width = matrix.shape
     size = 16
@@ -249,14 +310,19 @@ def _advance(matrix, first, state, probability, actions, most):
     row = np.empty(width)
     for i in range(count):
         for a in range(actions):
+            if partial and not _surely(matrix[i], first, actions, a):
+                continue
             row[:] = 0.0
             for s in range(width):
                 weight = matrix[i, s]
                 if weight != 0.0:
                     for k in range(first[s * actions + a], first[s * actions + a + 1]):
-                        row[state[k]] += weight * probability[k]
+                        share = weight * probability[k]
+                        if partial and share < _LEAST:
+                            share = _LEAST
+                        row[state[k]] += share
             key = _key(row)
-            slot = _find(row, key, slots, keys, rows, found)
+            slot = _find(row, key, slots, keys, rows, found, partial)
             if slots[slot] < 0:
                 if found == room:
                     room *= 2
@@ -287,7 +353,7 @@ def _gather(matrix):
     found = 0
     for i in range(count):
         key = _key(matrix[i])
-        slot = _find(matrix[i], key, slots, keys, rows, found)
+        slot = _find(matrix[i], key, slots, keys, rows, found, False)
         if slots[slot] < 0:
             slots[slot] = found
             rows[found] = matrix[i]
@@ -312,3 +378,31 @@ def _follow(sequences, first, state, probability, actions):
                     for k in range(first[s * actions + a], first[s * actions + a + 1]):
                         rows[i, state[k]] += before[s] * probability[k]
     return rows
+
+
+@njit(cache=True, nogil=True)
+def _wander(draws, first, state, probability, actions):
+    width = (len(first) - 1) // actions
+    rows = np.zeros((len(draws), width))
+    complete = np.ones(len(draws), np.bool_)
+    before = np.empty(width)
+    available = np.empty(actions, np.int64)
+    for i in range(len(draws)):
+        rows[i, 0] = 1.0
+        for t in range(draws.shape[1]):
+            count = 0
+            for a in range(actions):
+                if _surely(rows[i], first, actions, a):
+                    available[count] = a
+                    count += 1
+            if count == 0:
+                complete[i] = False
+                break
+            a = available[min(int(draws[i, t] * count), count - 1)]
+            before[:] = rows[i]
+            rows[i] = 0.0
+            for s in range(width):
+                if before[s] != 0.0:
+                    for k in range(first[s * actions + a], first[s * actions + a + 1]):
+                        rows[i, state[k]] += max(before[s] * probability[k], _LEAST)
+    return rows, complete

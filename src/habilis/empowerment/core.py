@@ -16,6 +16,7 @@ from habilis.empowerment.arguments import (
     positive,
     whole_number,
 )
+from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.capacity import checked_tolerance, warn_of_gap
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
@@ -103,6 +104,14 @@ def empowerment(
     exact, without listing sequences. Otherwise sequences that lead to the same belief are
     merged, and the capacity of the channel that is left is certified. Terminal states do not
     stop the counted sequences.
+
+    Where actions are not available everywhere, p ranges over the sequences that can surely be
+    carried out: each action is available in every state that is possible at its step,
+
+        A_h(s) = {a_1 ... a_h : a_t in A(x) for all t and all x with P(S_(t-1) = x | s, a_1 ...
+        a_(t-1)) > 0}
+
+    Where there is no such sequence, empowerment is 0, and so is the gap.
 
     Args:
         mdp: the table; or a world, of which then only so much is tabulated as h actions can reach
@@ -207,11 +216,15 @@ def _counted(
     from habilis.empowerment.counting import count_backward, count_forward
 
     labels, label_count = observations(mdp, sensor)
+    every = np.arange(mdp.states) if starts is None else starts
     named = isinstance(sensor, str) and sensor != "state"
     cells = named and mdp.is_cell(mdp.factor_named(str(sensor)))
     table = mdp.next_state
     if len(actions) < mdp.action_count:
         table = np.ascontiguousarray(table[:, actions])
+    table, labels = with_nowhere(table, labels)
+    if len(labels) > mdp.states:  # the state added is not asked about, and has no cell
+        cells, starts = False, every
     few = label_count <= MOST_PACKED_LABELS
     if few or cells:
         near, place, nearby = slice(None), slice(None), table
@@ -223,9 +236,13 @@ def _counted(
         if counts is None and few:
             counts = count_backward(nearby, labels[near], label_count, horizon, threads)
         if counts is not None:
-            return np.log2(counts[place])
-    every = np.arange(mdp.states) if starts is None else starts
-    return np.log2(count_forward(table, labels, label_count, horizon, every, threads))
+            return log2_of(counts[place])
+    return log2_of(count_forward(table, labels, label_count, horizon, every, threads))
+
+
+def log2_of(counts: Int64[np.ndarray, "n"]) -> Bits:
+    """The logarithms of counts; 0 where there is nothing to count, as no sequence is possible."""
+    return np.log2(np.maximum(counts, 1))
 
 
 def _counted_near(

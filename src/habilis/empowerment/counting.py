@@ -4,9 +4,9 @@ Two ways to the same number, |O_h(s)| with
 
     O_0(s) = {o(s)},   O_h(s) = union over a of O_{h-1}(next(s, a)),
 
-where o(s) is what the sensor shows in s. With few labels, all states' sets are carried backward
-together, one bit a label. With many, each state's set of reachable states is grown forward and
-its labels are counted at the end.
+where o(s) is what the sensor shows in s: nothing where the label is -1. With few labels, all
+states' sets are carried backward together, one bit a label. With many, each state's set of
+reachable states is grown forward and its labels are counted at the end.
 """
 
 from collections import deque
@@ -54,9 +54,10 @@ def sets_backward(
 
     What it gave is written over when it is asked for the next but one.
     """
-    state = np.arange(len(labels))
+    state = np.flatnonzero(labels >= 0)
+    seen = labels[state]
     sets = np.zeros((len(labels), -(-label_count // _WORD)), np.uint64)
-    sets[state, labels // _WORD] = np.uint64(1) << (labels % _WORD).astype(np.uint64)
+    sets[state, seen // _WORD] = np.uint64(1) << (seen % _WORD).astype(np.uint64)
     spare = np.empty_like(sets)
     operations = sets.shape[1] * next_state.shape[1]
     yield sets
@@ -159,7 +160,7 @@ def _count_forward(next_state, labels, label_count, horizon, starts):
         count = 0
         for k in range(size):
             label = labels[here[k]]
-            if perceived_from[label] != i:
+            if label >= 0 and perceived_from[label] != i:
                 perceived_from[label] = i
                 count += 1
         counts[i] = count

@@ -146,7 +146,7 @@ def _tried(
     successors = problem.successors
     depth, counts, took = 0, [1.0], 0.0
     beliefs = beliefs_after(successors, start, 0)
-    while depth < problem.horizon:
+    while depth < problem.horizon and counts[-1]:
         if depth > 0 and counts[-1] * successors.actions * reached[depth + 1] > _ENTRIES:
             break
         depth += 1

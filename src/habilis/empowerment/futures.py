@@ -77,7 +77,8 @@ def futures(
         state: the state's index.
 
     Returns:
-        The sequences worth choosing among, with their probabilities, and what they lead to.
+        The sequences worth choosing among, with their probabilities, and what they lead to; none
+        where no sequence can surely be carried out.
 
     Raises:
         ValueError: as in `empowerment`.

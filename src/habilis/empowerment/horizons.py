@@ -8,10 +8,12 @@ from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import chosen_actions, chosen_states, per_bit, whole_number
+from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.core import (
     MOST_PACKED_LABELS,
     Options,
     empowerment,
+    log2_of,
     neighbourhood,
 )
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
@@ -63,11 +65,12 @@ def empowerment_by_horizon(
 
     starts = chosen_states(mdp, states)
     table = np.ascontiguousarray(mdp.next_state[:, chosen_actions(mdp, actions)])
+    table, labels = with_nowhere(table, labels)
     near, nearby, place = neighbourhood(table, starts, horizon)
     threads = options.get("threads") or processors()
     scale = per_bit(options.get("unit", "bits"))
     rows = [
-        np.log2(sizes(sets[place])) * scale
+        log2_of(sizes(sets[place])) * scale
         for sets in sets_backward(nearby, labels[near], label_count, horizon, threads)
     ]
     return np.stack(rows + rows[-1:] * (horizon + 1 - len(rows)))

@@ -33,11 +33,11 @@ def persistence(
         P(s) = max over C of log2 |{o(t) : t in C}|
 
     where C are the strongly connected components of the table that can be reached from s, and
-    o(t) is what the sensor shows in t. It is at most log2 of all observations that can be reached
-    from s, of which some can be had but once. Where C holds a state in which some action changes
-    nothing, or its cycles have for another reason no common divisor but 1, empowerment is not
-    less for any horizon that is long enough; otherwise so many observations are there in as many
-    horizons, one after the other, as that divisor says.
+    o(t) is what the sensor shows in t; only available actions lead anywhere. It is at most log2 of
+    all observations that can be reached from s, of which some can be had but once. Where C holds
+    a state in which some action changes nothing, or its cycles have for another reason no common
+    divisor but 1, empowerment is not less for any horizon that is long enough; otherwise so many
+    observations are there in as many horizons, one after the other, as that divisor says.
 
     Args:
         mdp: a deterministic table, or a world, which is tabulated.
@@ -85,9 +85,13 @@ def _certain_table(
         )
     if is_noisy(sensor):
         raise ValueError("the sensor is noisy; give a factor's name, 'state' or int[S] labels")
-    if len(used) == mdp.action_count:
-        return mdp.next_state
-    return np.ascontiguousarray(mdp.next_state[:, used])
+    table = mdp.next_state
+    if len(used) < mdp.action_count:
+        table = np.ascontiguousarray(table[:, used])
+    if table.min() >= 0:
+        return table
+    # To stay where one is changes neither what can be reached nor the components.
+    return np.where(table < 0, np.arange(mdp.states, dtype=np.int32)[:, None], table)
 
 
 @njit(cache=True, nogil=True)

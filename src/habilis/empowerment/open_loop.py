@@ -13,6 +13,7 @@ from habilis.empowerment.beliefs import (
     beliefs_after,
     distinct,
     followed,
+    wandered,
 )
 from habilis.empowerment.optimum import best_inputs
 from habilis.empowerment.sensors import Sensor, observation_probabilities
@@ -88,8 +89,10 @@ class Answer:
 def successors_of(transitions: "Int32[np.ndarray, 'S A'] | csr_array", actions: int) -> Successors:
     """A table's transitions as the kernels read them."""
     if isinstance(transitions, np.ndarray):
-        first = np.arange(transitions.size + 1)
-        return Successors(first, transitions.ravel(), np.ones(transitions.size), actions)
+        there = transitions.ravel() >= 0
+        first = np.concatenate([[0], np.cumsum(there)])
+        reached = transitions.ravel()[there]
+        return Successors(first, reached, np.ones(len(reached)), actions)
     return Successors(
         transitions.indptr.astype(np.int64),
         transitions.indices.astype(np.int32),
@@ -114,13 +117,18 @@ def exact(problem: Problem, start: int) -> tuple[Beliefs, Answer]:
 def sampled(problem: Problem, start: int, samples: int, seed: int) -> Answer:
     """A lower bound from some sequences of actions, drawn uniformly.
 
-    The gap is to the least of what is known of the whole without looking at all sequences: the
-    logarithms of the number of sequences and of the number of possible observations.
+    Where actions are not available everywhere, each step is drawn uniformly from those that surely
+    are; sequences that end before h actions are left out. The gap is to the least of what is known
+    of the whole without looking at all sequences: the logarithms of the number of sequences and of
+    the number of possible observations.
     """
     actions, horizon = problem.successors.actions, problem.horizon
     rng = np.random.default_rng([seed, start])
-    sequences = rng.integers(actions, size=(samples, horizon), dtype=np.int32)
-    states, matrix = followed(problem.successors, start, sequences)
+    if problem.successors.always_available:
+        sequences = rng.integers(actions, size=(samples, horizon), dtype=np.int32)
+        states, matrix = followed(problem.successors, start, sequences)
+    else:
+        states, matrix = wandered(problem.successors, start, rng.random((samples, horizon)))
     answer = solve_channel(problem, states, matrix)
     possible = problem.sensor[states].sum(axis=0).astype(bool).sum()
     most = min(np.log2(max(possible, 1)), horizon * np.log2(actions))
@@ -133,16 +141,16 @@ def solve_channel(
     states: Int32[np.ndarray, "N"],
     matrix: "Float64[np.ndarray, 'K N'] | csr_array",
 ) -> Answer:
-    """The capacity of the channel from rows of beliefs through the sensor."""
+    """The capacity of the channel from rows of beliefs through the sensor; 0 without any row."""
     seen = problem.sensor[states]
     observations = np.unique(seen.indices).astype(np.int64)
     channel, rows = distinct(np.ascontiguousarray(matrix @ seen[:, observations].toarray()))
     possible = channel.any(axis=0)
     channel, observations = np.ascontiguousarray(channel[:, possible]), observations[possible]
     rows = rows.astype(np.int64)
-    inputs = np.full(len(channel), 1 / len(channel))
+    inputs = np.full(len(channel), 1 / max(len(channel), 1))
     merged = _merging_error(len(states), problem.horizon, len(observations))
-    if len(channel) == 1 or len(observations) == 1:
+    if len(channel) <= 1 or len(observations) == 1:
         return Answer(0.0, 0.0, channel, observations, rows, inputs)
     if (channel.max(axis=1) == 1).all():  # no noise is left: all inputs alike
         bits = float(np.log2(len(channel)))

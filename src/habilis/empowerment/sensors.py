@@ -43,13 +43,21 @@ def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
         labels, count = observations(mdp, sensor)
         ones = np.ones(mdp.states)
         return csr_array((ones, labels, np.arange(mdp.states + 1)), (mdp.states, count))
-    given = sensor if is_sparse(sensor) else as_array("sensor", sensor)
-    if shape_of(given)[0] != mdp.states:
+    given: Any = sensor if is_sparse(sensor) else as_array("sensor", sensor)
+    rows, columns = shape_of(given)
+    if rows != mdp.states:
+        turned = columns == mdp.states and given.dtype.kind in "biuf"
         raise ValueError(
-            f"sensor has {shape_of(given)[0]} rows; give one integer label, or a row of "
+            f"sensor has {rows} rows; give one integer label, or a row of "
             f"probabilities, for each of the {mdp.states} states"
+            + ("; its columns sum to 1: transpose it" if turned and _adds_up(given) else "")
         )
-    return row_stochastic("sensor", given, "state {}")
+    return row_stochastic("sensor", given, "state {}", "states")
+
+
+def _adds_up(matrix: Any) -> bool:
+    """Whether every column sums to 1."""
+    return np.allclose(np.asarray(matrix.sum(axis=0)), 1)
 
 
 def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"], int]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int, Int8, PRNGKeyArray
 
 from habilis.empowerment.bonus import Bonus
 from habilis.empowerment.keeping import kept_empowerment
@@ -23,6 +23,7 @@ from habilis.envs.spaces import classes
 from habilis.envs.steps import (
     Alone,
     Stepped,
+    action_mask,
     begin,
     cut_off,
     goes_on,
@@ -51,7 +52,12 @@ class FunctionalEnv:
     was reached "state" (its index), "equipped", "attached" (bool) and "discount" (0 where it is
     terminal, 1 elsewhere).
 
-    Actions are int32; JAX cannot refuse one that does not exist. The key of a step matters only
+    Actions are int32; JAX cannot refuse one that does not exist. Where a table's actions are not
+    available everywhere, `info["action_mask"]`, int8[A], has a 1 for those that are in the state
+    that a step returns, and `action_mask` says it of any state. JAX cannot refuse the others: they
+    leave the state as it is, for a reward of 0, and cost a step. `jax.random.categorical(key,
+    jnp.log(mask))` draws among the available ones, as slip does. In a state without actions an
+    episode terminates. The key of a step matters only
     where there is slip, an agent's or a tool's, that of a reset never. All methods work inside
     `jit`, `vmap` and `scan`; `params` may be left out: they are `default_params` then.
 
@@ -89,8 +95,8 @@ class FunctionalEnv:
             slip: the probability that an action drawn uniformly takes the place of the chosen one.
 
         Raises:
-            ValueError: no such world, tool or observation, the table is stochastic, or a number
-                is out of its range.
+            ValueError: no such world, tool or observation, the table is stochastic, its start has
+                no action, or a number is out of its range.
         """
         if isinstance(world, TabularMDP):
             if tool is not None:
@@ -104,14 +110,12 @@ class FunctionalEnv:
         check_episode(mdp, max_steps, slip, chance)
         shown = _shown(observation, mdp, place)
         self._mdp, self._slip, self._shown = mdp, slip, shown
+        # Without chance the only outcomes; where an action is not available, the state itself.
+        leading = Chance.in_any(mdp) if chance is None else chance
         self._params = Params(
-            next_state=jnp.asarray(
-                mdp.next_state
-                if chance is None
-                else chance.next_state[:, 0].reshape(-1, mdp.action_count)
-            ),
+            next_state=jnp.asarray(leading.next_state[:, 0].reshape(-1, mdp.action_count)),
             reward=jnp.asarray(mdp.reward),
-            terminal=jnp.asarray(mdp.terminal),
+            terminal=jnp.asarray(mdp.ends),
             start=mdp.start,
             max_steps_in_episode=max_steps,
             flags={name: jnp.asarray(flag) for name, flag in mdp.flags.items()},
@@ -125,6 +129,7 @@ class FunctionalEnv:
                 jnp.asarray(chance.below, jnp.float32),
                 jnp.asarray(chance.reward, jnp.float32),
             ),
+            available=None if mdp.always_available else jnp.asarray(mdp.available),
         )
 
     def with_empowerment(
@@ -260,6 +265,17 @@ class FunctionalEnv:
             An observation.
         """
         return observed(state.index, self._given(params))
+
+    def action_mask(self, state: State, params: Params | None = None) -> Int8[Array, "A"]:
+        """The actions that are available in a state.
+
+        Args:
+            state, params: as in `step`.
+
+        Returns:
+            int8, 1 for those that are, 0 for others.
+        """
+        return action_mask(state.index, self._given(params))
 
     def is_terminated(self, state: State, params: Params) -> Bool[Array, ""]:
         """Whether an episode that has come to a state ends there by the world's rules.

@@ -13,6 +13,7 @@ _OUTCOMES = ("next_state", "below", "reward")
 _PARAMS = (
     *("next_state", "reward", "terminal", "start", "max_steps_in_episode"),
     *("flags", "seen", "background", "slip", "empowerment", "chance"),
+    "available",
 )
 
 
@@ -82,7 +83,7 @@ class Params:
     Attributes:
         next_state: int32[S, A], where actions lead.
         reward: float32[S, A].
-        terminal: bool[S], the states whose entry ends an episode.
+        terminal: bool[S], the states whose entry ends an episode: those without actions too.
         start: the state in which episodes begin.
         max_steps_in_episode: the length of an episode, at most.
         flags: by name, bool[S], what `info` says of a state.
@@ -94,6 +95,8 @@ class Params:
         empowerment: what is added to the reward; `None`: nothing.
         chance: what may come of actions, where tools may fail; `next_state` and `reward` are not
             looked at then, and have one of the outcomes and the mean. `None`: never.
+        available: bool[S, A], the actions that are available in each state; others lead back to
+            the state, for a reward of 0. `None`: all are everywhere.
     """
 
     next_state: Int32[Array, "S A"]
@@ -107,6 +110,7 @@ class Params:
     slip: Any = None
     empowerment: Empowerment | None = None
     chance: Outcomes | None = None
+    available: Bool[Array, "S A"] | None = None
 
     def replace(self, **changes: Any) -> "Params":
         """The same but for some attributes.

@@ -4,11 +4,12 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int, Int32, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int, Int8, Int32, PRNGKeyArray
 
 from habilis.empowerment.bonus import regularised
 from habilis.envs.params import Params, State
 from habilis.envs.reward import EMPOWERMENT, EXTRINSIC
+from habilis.envs.table import ACTION_MASK
 
 Info = dict[str, Any]
 
@@ -36,6 +37,8 @@ def step(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params
         jnp.where(ended, _start(params), reached.index), jnp.where(ended, 0, reached.time)
     )
     info |= {"terminated": terminated, "truncated": truncated, "final_observation": last}
+    if params.available is not None:
+        info[ACTION_MASK] = action_mask(after.index, params)
     return observed(after.index, params), after, reward, terminated, truncated, info
 
 
@@ -48,8 +51,11 @@ def step_alone(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: 
         key, of_tool = jax.random.split(key)
     if params.slip is not None:
         slips, draws = jax.random.split(key)
-        drawn = jax.random.randint(draws, (), 0, actions)
-        action = jnp.where(jax.random.uniform(slips) < params.slip, drawn, action)
+        drawn = _any_action(draws, state.index, actions, params.available)
+        slipped = jax.random.uniform(slips) < params.slip
+        if params.available is not None:  # an action that is not available stays what it is
+            slipped &= params.available[state.index, action]
+        action = jnp.where(slipped, drawn, action)
     transition = state.index * actions + jnp.asarray(action, jnp.int32)
     if params.chance is None:
         index = params.next_state.reshape(-1)[transition]
@@ -64,6 +70,8 @@ def step_alone(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: 
         "discount": goes_on(terminated),
         **{name: flag[index] for name, flag in params.flags.items()},
     }
+    if params.available is not None:
+        info[ACTION_MASK] = action_mask(index, params)
     if params.empowerment is not None:
         bits, weights = params.empowerment.bits, params.empowerment.weights
         info |= {EXTRINSIC: reward, EMPOWERMENT: bits[index]}
@@ -87,6 +95,23 @@ def observed(index: Int32[Array, ""], params: Params) -> Array:
     if params.background is None:
         return seen
     return params.background.reshape(-1).at[seen].set(1).reshape(params.background.shape)
+
+
+def action_mask(index: Int32[Array, ""], params: Params) -> Int8[Array, "A"]:
+    """1 for the actions that are available in a state, 0 for others."""
+    if params.available is None:
+        return jnp.ones(params.next_state.shape[-1], jnp.int8)
+    return params.available[index].astype(jnp.int8)
+
+
+def _any_action(
+    key: PRNGKeyArray, index: Int32[Array, ""], actions: int, available: Bool[Array, "S A"] | None
+) -> Int[Array, ""]:
+    """An action drawn uniformly from those available in a state."""
+    if available is None:
+        return jax.random.randint(key, (), 0, actions)
+    there = jnp.cumsum(available[index])
+    return jnp.argmax(there > jax.random.randint(key, (), 0, jnp.maximum(there[-1], 1)))
 
 
 def _start(params: Params) -> Int32[Array, ""]:

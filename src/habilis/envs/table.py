@@ -6,7 +6,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from jaxtyping import Shaped
+from jaxtyping import Int8, Shaped
 
 from habilis.envs.observations import Observation, ranks
 from habilis.mdp import TabularMDP
@@ -16,6 +16,10 @@ MAX_STEPS = 500
 """Steps after which an episode is cut off, unless it is told otherwise."""
 
 
+ACTION_MASK = "action_mask"
+"""What `info` says of the actions, where some are not available in some states."""
+
+
 class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     """A deterministic table, one step a look-up.
 
@@ -23,6 +27,10 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     has (`MultiDiscrete`). Action: `Discrete`, the table's. Reward and termination are the table's;
     an episode is cut off (truncated) after `max_steps`. Episodes begin in the table's start. `info`
     has the state's index as "state", and what the given columns say of the state.
+
+    Where actions are not available everywhere, `info["action_mask"]`, int8[A], has a 1 for those
+    that are, as `action_space.sample(mask=info["action_mask"])` takes it; a step with another is
+    refused. Slip draws among the available ones. In a state without actions an episode terminates.
 
     Attributes:
         mdp: the table.
@@ -57,7 +65,8 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
             chance: of a stochastic table, what may come of each action.
 
         Raises:
-            ValueError: the table is stochastic, or a number is out of its range.
+            ValueError: the table is stochastic, its start has no action, or a number is out of its
+                range.
         """
         check_episode(mdp, max_steps, slip, chance)
         shown = ranks(mdp) if observation is None else observation
@@ -75,12 +84,13 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         if self._chance is None:
             self._next_state = self.mdp.next_state.reshape(-1).data
         self._reward = self.mdp.reward.astype(np.float64).reshape(-1).data
-        self._terminal = self.mdp.terminal.data
+        self._terminal = self.mdp.ends.data
+        self._masks = action_masks(self.mdp)
         self._told = [(name, column.data) for name, column in self._columns.items()]
 
     def __getstate__(self) -> dict[str, Any]:
         """For copies: views cannot be copied."""
-        views = ("_next_state", "_reward", "_terminal", "_told")
+        views = ("_next_state", "_reward", "_terminal", "_told", "_masks")
         return {name: value for name, value in vars(self).items() if name not in views}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -106,8 +116,10 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
             chosen = -1  # no whole number
         if not 0 <= chosen < self._actions:
             raise ValueError(f"action is {action!r}; use 0 to {self._actions - 1}")
+        if self._masks is not None and not self._masks[self.state, chosen]:
+            raise ValueError(unavailable(self._masks, self.state, chosen))
         if self.slip and self.np_random.random() < self.slip:
-            chosen = int(self.np_random.integers(self._actions))
+            chosen = self._any_action()
         transition = self.state * self._actions + chosen
         if self._chance is None:
             self.state = state = self._next_state[transition]
@@ -121,21 +133,54 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         cut = not ended and self._steps >= self._max_steps
         return self._show(state), reward, ended, cut, self._info()
 
+    def _any_action(self) -> int:
+        """One drawn uniformly from those available."""
+        if self._masks is None:
+            return int(self.np_random.integers(self._actions))
+        there = np.flatnonzero(self._masks[self.state])
+        return int(there[self.np_random.integers(len(there))])
+
     def _info(self) -> dict[str, Any]:
         state = self.state
         info: dict[str, Any] = {"state": state}
         for name, column in self._told:
             info[name] = column[state]
+        if self._masks is not None:
+            info[ACTION_MASK] = self._masks[state].copy()
         return info
 
 
 def check_episode(
     mdp: TabularMDP, max_steps: int, slip: float, chance: Chance | None = None
 ) -> None:
-    """Raises ValueError: the table is stochastic, or a number is out of its range."""
+    """Raises ValueError: a stochastic table, a start without actions, a number out of its range."""
     if mdp.is_stochastic and chance is None:
         raise ValueError("the table is stochastic; give a deterministic one, and slip= for chance")
+    if mdp.ends[mdp.start] and not mdp.terminal[mdp.start]:
+        raise ValueError(f"no action is available in state {mdp.start}; give another start")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:
         raise ValueError(f"max_steps is {max_steps!r}; give a whole number of at least 1")
     if isinstance(slip, bool) or not isinstance(slip, int | float) or not 0 <= slip <= 1:
         raise ValueError(f"slip is {slip!r}; give a probability from 0 to 1")
+
+
+def action_masks(mdp: TabularMDP) -> Int8[np.ndarray, "S A"] | None:
+    """1 where an action is available, 0 elsewhere; `None` where all are everywhere."""
+    return None if mdp.always_available else mdp.available.astype(np.int8)
+
+
+def unavailable(masks: Int8[np.ndarray, "S A"], state: int, action: int, where: str = "") -> str:
+    """Says that an action is not available, and which are.
+
+    Args:
+        masks: of `action_masks`.
+        state, action: that were met.
+        where: what else to say of the place, as " of environment 3".
+    """
+    there = np.flatnonzero(masks[state])
+    if not len(there):
+        return f"no action is available in state {state}{where}: its episode has ended; reset it"
+    return (
+        f"action {action} is not available in state {state}{where}; "
+        f"use one of {', '.join(map(str, there))}"
+    )

@@ -7,10 +7,16 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
-from jaxtyping import Bool, Int64, Shaped
+from jaxtyping import Bool, Int8, Int64, Shaped
 
 from habilis.envs.observations import Observation, ranks
-from habilis.envs.table import MAX_STEPS, check_episode
+from habilis.envs.table import (
+    ACTION_MASK,
+    MAX_STEPS,
+    action_masks,
+    check_episode,
+    unavailable,
+)
 from habilis.mdp import TabularMDP
 from habilis.worlds.chance import Chance
 
@@ -25,6 +31,9 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     reward 0; `SAME_STEP`, the observation is already the next episode's first, and
     `info["final_obs"]` and `info["final_info"]` have the last; `DISABLED`, the caller resets with
     `options={"reset_mask": ...}`.
+
+    Where actions are not available everywhere, `info["action_mask"]`, int8[N, A], has a 1 for those
+    that are, as `action_space.sample(mask=tuple(info["action_mask"]))` takes it.
 
     Attributes:
         mdp: the table.
@@ -59,8 +68,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             observation, columns, slip, chance: as in `TableEnv`.
 
         Raises:
-            ValueError: the table is stochastic, a number is out of its range, or there is no
-                such mode.
+            ValueError: as in `TableEnv`, or there is no such mode.
         """
         check_episode(mdp, max_steps, slip, chance)
         if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
@@ -73,7 +81,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if chance is None:
             self._next_state = mdp.next_state.reshape(-1)
         self._reward = mdp.reward.astype(np.float64).reshape(-1)
-        self._terminal = mdp.terminal
+        self._terminal, self._masks = mdp.ends, action_masks(mdp)
         self._columns = dict(columns or {})
         self._show, self._actions = shown.show, mdp.action_count
         self._max_steps, self._slip = max_steps, slip
@@ -162,11 +170,31 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
                 f"action {chosen[wrong]} of environment {wrong} is unknown; "
                 f"use 0 to {self._actions - 1}"
             )
+        if self._masks is not None:
+            chosen = self._available(chosen, self._masks)
         if self._slip:
             slips = self.np_random.random(self.num_envs) < self._slip
-            drawn = self.np_random.integers(self._actions, size=self.num_envs)
-            return np.where(slips, drawn, chosen)
+            return np.where(slips, self._any_actions(), chosen)
         return chosen
+
+    def _available(
+        self, chosen: Int64[np.ndarray, "N"], masks: Int8[np.ndarray, "S A"]
+    ) -> Int64[np.ndarray, "N"]:
+        """The actions, if they are available; those of ended episodes do not matter."""
+        wrong = (masks[self.state, chosen] == 0) & ~self._ended
+        if wrong.any():
+            first = int(np.argmax(wrong))
+            where = f" of environment {first}"
+            raise ValueError(unavailable(masks, int(self.state[first]), int(chosen[first]), where))
+        return chosen
+
+    def _any_actions(self) -> Int64[np.ndarray, "N"]:
+        """An action for each, drawn uniformly from those available."""
+        if self._masks is None:
+            return self.np_random.integers(self._actions, size=self.num_envs)
+        there = self._masks[self.state]
+        place = self.np_random.integers(np.maximum(there.sum(axis=1), 1))
+        return (np.cumsum(there, axis=1) > place[:, None]).argmax(axis=1)
 
     def _restart(self, mask: Bool[np.ndarray, "N"]) -> None:
         if mask.all():
@@ -182,6 +210,8 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         info: dict[str, Any] = {"state": self.state.copy()}
         for name, column in self._columns.items():
             info[name] = column.take(self.state)
+        if self._masks is not None:
+            info[ACTION_MASK] = self._masks[self.state]
         info.update({f"_{name}": np.ones(self.num_envs, bool) for name in tuple(info)})
         return info
 

@@ -1,5 +1,7 @@
 """Advantage actor-critic: one gradient step a rollout."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -25,7 +27,12 @@ def learn(
     if context.algorithm.normalise:
         advantage = actor_critic.normalised(advantage)
     inputs, activations = jax.tree.map(_flat, experience.kept)
-    loss, of_outputs = jax.value_and_grad(actor_critic_loss)(
+    available = context.task.available_in(experience.state.reshape(-1))
+
+    def loss_of(outputs: Float[Array, "n A+1"], *rest: Any) -> Float[Array, ""]:
+        return actor_critic_loss(actor_critic.masked_outputs(outputs, available), *rest)
+
+    loss, of_outputs = jax.value_and_grad(loss_of)(
         activations[-1],
         experience.action.reshape(-1),
         advantage.reshape(-1),

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import optax
-from jaxtyping import Array, Float, Int, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.learning.algorithms import A2C, PPO
 from habilis.learning.networks import Network
 from habilis.learning.returns import generalised_advantages
-from habilis.learning.rollout import Context, Experience, Numbers, linearly, sampled
+from habilis.learning.rollout import Context, Experience, Numbers, linearly, masked, sampled
 from habilis.learning.task import Task
 
 
@@ -44,12 +44,22 @@ def act(
 ) -> tuple[Int[Array, "E"], Decision]:
     inputs = context.task.inputs[state]
     activations = learner.parameters.activations(inputs)
-    return sampled(activations[-1][:, :-1], draw), Decision(inputs, activations)
+    available = context.task.available_in(state)
+    return sampled(activations[-1][:, :-1], draw, available), Decision(inputs, activations)
 
 
 def preferences(task: Task, network: Network) -> Float[Array, "S A"]:
     """The logits of all actions in all states."""
-    return network(task.inputs)[:, :-1]
+    return masked(network(task.inputs)[:, :-1], task.available)
+
+
+def masked_outputs(
+    outputs: Float[Array, "*n A+1"], available: Bool[Array, "*n A"] | None
+) -> Float[Array, "*n A+1"]:
+    """Outputs whose logits leave unavailable actions a probability of 0, and no gradient."""
+    if available is None:
+        return outputs
+    return jnp.concatenate([masked(outputs[..., :-1], available), outputs[..., -1:]], axis=-1)
 
 
 def advantages(

@@ -28,7 +28,7 @@ class Ledger:
         reached, reward = chance.next_state.reshape(-1), chance.reward.reshape(-1)
         flags = [flag[reached] for flag in mdp.flags.values()]
         columns = np.stack([np.ones(len(reached)), reward, *flags], axis=1)
-        return cls(columns.astype(np.float64), mdp.terminal[reached])
+        return cls(columns.astype(np.float64), mdp.ends[reached])
 
     def nothing(self, envs: int) -> Float[np.ndarray, "E columns"]:
         """The running sums of environments that have not made a step."""

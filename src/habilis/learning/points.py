@@ -69,7 +69,7 @@ def _measured(
     states, reached = task.state_of(transitions), task.next_state[transitions]
     entropy = jnp.float32(jnp.nan)
     if isinstance(program.algorithm, A2C | PPO):
-        visited = task._replace(inputs=task.inputs[states])
+        visited = task.only(states)
         logits = program.module.preferences(visited, lane.learner.parameters)
         log_policy = jax.nn.log_softmax(logits)
         entropy = -(jnp.exp(log_policy) * log_policy).sum(axis=-1).mean()

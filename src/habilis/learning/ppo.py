@@ -6,7 +6,7 @@ from jaxtyping import Array, Float, Int
 
 from habilis.learning import actor_critic
 from habilis.learning.actor_critic import Learner
-from habilis.learning.rollout import Context, Experience
+from habilis.learning.rollout import Context, Experience, masked
 
 start, act, preferences = actor_critic.start, actor_critic.act, actor_critic.preferences
 
@@ -19,9 +19,11 @@ def learn(
     """The learner after `epochs * minibatches` steps on a rollout, and the mean loss."""
     algorithm, numbers = context.algorithm, context.numbers
     advantage, target = actor_critic.advantages(context, learner.parameters, experience)
-    log_policy = jax.nn.log_softmax(experience.kept.activations[-1][..., :-1])
+    available = context.task.available_in(experience.state)
+    logits = experience.kept.activations[-1][..., :-1]
+    log_policy = jax.nn.log_softmax(masked(logits, available))
     old = jnp.take_along_axis(log_policy, experience.action[..., None], axis=-1)[..., 0]
-    batch = (experience.kept.inputs, experience.action, old, advantage, target)
+    batch = (experience.kept.inputs, experience.action, old, advantage, target, available)
     size = advantage.size
     flat = jax.tree.map(lambda x: x.reshape(size, *x.shape[2:]), batch)
     order = jax.vmap(lambda k: jax.random.permutation(k, size))(
@@ -30,13 +32,13 @@ def learn(
     entropy = actor_critic.entropy_weight(context)
 
     def step(learner: Learner, chosen: Int[Array, "n"]) -> tuple[Learner, Float[Array, ""]]:
-        inputs, action, old, advantage, target = jax.tree.map(lambda x: x[chosen], flat)
+        inputs, action, old, advantage, target, there = jax.tree.map(lambda x: x[chosen], flat)
         if algorithm.normalise:
             advantage = actor_critic.normalised(advantage)
 
         def loss(network):
             return clipped_loss(
-                network(inputs),
+                actor_critic.masked_outputs(network(inputs), there),
                 action,
                 old,
                 advantage,

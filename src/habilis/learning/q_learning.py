@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from habilis.learning.algorithms import QLearning
-from habilis.learning.rollout import Context, Experience, linearly
+from habilis.learning.rollout import Context, Experience, linearly, masked
 from habilis.learning.task import Task
 
 
@@ -28,16 +28,19 @@ def act(
     draw: Float[Array, "E"],
 ) -> tuple[Int[Array, "E"], tuple[()]]:
     """Epsilon-greedy: one draw says both whether to explore and where."""
-    n, actions = context.numbers, context.task.actions
+    n, there = context.numbers, context.task.available_in(state)
+    actions = context.task.actions if there is None else there.sum(axis=-1)
     epsilon = linearly(n["epsilon"], n["epsilon_end"], n["epsilon_steps"], context.taken)
     anything = jnp.floor(draw / jnp.maximum(epsilon, 1e-9) * actions).astype(jnp.int32)
-    best = learner.parameters[state].argmax(axis=-1)
+    best = masked(learner.parameters[state], there).argmax(axis=-1)
     explored = jnp.minimum(anything, actions - 1)
+    if there is not None:  # the so manieth of those available
+        explored = (jnp.cumsum(there, axis=-1) > explored[:, None]).argmax(axis=-1)
     return jnp.where(draw < epsilon, explored, best), ()
 
 
 def preferences(task: Task, values: Float[Array, "S A"]) -> Float[Array, "S A"]:
-    return values
+    return masked(values, task.available)
 
 
 def learn(
@@ -47,13 +50,14 @@ def learn(
 ) -> tuple[Learner, Float[Array, ""]]:
     """The values after every step of a rollout, one after the other, and the mean squared error.
 
-    Q(s, a) <- Q(s, a) + rate * (r + gamma * max over b of Q(s', b) - Q(s, a))
+    Q(s, a) <- Q(s, a) + rate * (r + gamma * max over b in A(s') of Q(s', b) - Q(s, a))
     """
-    numbers = context.numbers
+    numbers, task = context.numbers, context.task
 
     def step(values: Float[Array, "S A"], one):
         state, action, reward, reached, terminated = one
-        future = jnp.where(terminated, 0.0, values[reached].max())
+        best = masked(values[reached], task.available_in(reached)).max()
+        future = jnp.where(terminated, 0.0, best)
         error = reward + numbers["discount"] * future - values[state, action]
         return values.at[state, action].add(numbers["learning_rate"] * error), jnp.square(error)
 

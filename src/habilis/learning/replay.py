@@ -162,6 +162,7 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
     if not 0 <= start < mdp.states:
         raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
     chance, random = Chance.in_any(mdp), np.random.default_rng(seed)
+    ends = mdp.ends
     states, actions, total = [start], [], 0.0
     while True:
         action = int(policy[states[-1]])
@@ -174,7 +175,7 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
             len(actions) >= run.config.episode_limit if mdp.is_stochastic else reached in states
         )
         states.append(reached)
-        if mdp.terminal[reached] or in_vain:
+        if ends[reached] or in_vain:
             finished = bool(mdp.terminal[reached])
             return Episode(tuple(states), tuple(actions), total, finished)
 

@@ -97,10 +97,29 @@ def rollout(
     return jax.lax.scan(step, place, (draws, picks, chances), unroll=min(_TOGETHER, len(draws)))
 
 
-def sampled(logits: Float[Array, "E A"], draw: Float[Array, "E"]) -> Int[Array, "E"]:
+def masked(
+    logits: Float[Array, "*n A"], available: Bool[Array, "*n A"] | None
+) -> Float[Array, "*n A"]:
+    """Logits that leave unavailable actions a probability of 0.
+
+    The least number there is stands for minus infinity, which would make entropies NaN.
+    """
+    if available is None:
+        return logits
+    return jnp.where(available, logits, jnp.finfo(logits.dtype).min)
+
+
+def sampled(
+    logits: Float[Array, "E A"],
+    draw: Float[Array, "E"],
+    available: Bool[Array, "E A"] | None = None,
+) -> Int[Array, "E"]:
     """The action in whose share of [0, 1) each uniform draw falls."""
-    below = jnp.cumsum(jax.nn.softmax(logits), axis=-1) <= draw[:, None]
-    return jnp.minimum(below.sum(axis=-1), logits.shape[-1] - 1)
+    below = jnp.cumsum(jax.nn.softmax(masked(logits, available)), axis=-1) <= draw[:, None]
+    last: Any = logits.shape[-1] - 1  # shares may sum to a little less than 1
+    if available is not None:
+        last = last - available[:, ::-1].argmax(axis=-1)
+    return jnp.minimum(below.sum(axis=-1), last)
 
 
 def linearly(

@@ -6,7 +6,7 @@ from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from habilis.learning.algorithms import SoftValueIteration
 from habilis.learning.q_learning import Learner
-from habilis.learning.rollout import Context, Experience, sampled
+from habilis.learning.rollout import Context, Experience, masked, sampled
 from habilis.learning.task import Task
 
 
@@ -20,11 +20,12 @@ def act(
     state: Int[Array, "E"],
     draw: Float[Array, "E"],
 ) -> tuple[Int[Array, "E"], tuple[()]]:
-    return sampled(learner.parameters[state] / context.numbers["temperature"], draw), ()
+    logits = learner.parameters[state] / context.numbers["temperature"]
+    return sampled(logits, draw, context.task.available_in(state)), ()
 
 
 def preferences(task: Task, values: Float[Array, "S A"]) -> Float[Array, "S A"]:
-    return values
+    return masked(values, task.available)
 
 
 def learn(
@@ -34,17 +35,21 @@ def learn(
 ) -> tuple[Learner, Float[Array, ""]]:
     """The values after some backups of all states, and the largest change of the last.
 
-    What was experienced does not matter; the table is known, and with it how likely what is.
+    What was experienced does not matter; the table is known, and with it how likely what is. The
+    soft maximum is over the actions that are available.
     """
     task, numbers = context.task, context.numbers
     reward = context.worth(jnp.arange(len(task.next_state)))
     ends, shares = task.goes_on < 0, task.shares()
 
     def backup(values: Float[Array, "S A"], _: None) -> tuple[Array, Array]:
-        soft = jax.nn.logsumexp(values / numbers["temperature"], axis=-1) * numbers["temperature"]
+        logits = masked(values / numbers["temperature"], task.available)
+        soft = jax.nn.logsumexp(logits, axis=-1) * numbers["temperature"]
         future = jnp.where(ends, 0.0, soft[task.next_state])
         worth = (reward + numbers["discount"] * future).reshape(-1, task.outcomes)
         new = (shares * worth).sum(axis=1).reshape(values.shape)
+        if task.available is not None:
+            new = jnp.where(task.available, new, 0.0)
         return new, jnp.abs(new - values).max()
 
     values, changes = jax.lax.scan(backup, learner.parameters, length=context.algorithm.sweeps)

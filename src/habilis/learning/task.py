@@ -31,6 +31,8 @@ class Task(NamedTuple):
     """The rows of the network's embedding that stand for a state."""
     start: Int[Array, "*starts"]
     """Where episodes begin: one state, or any of several."""
+    available: Bool[Array, "S A"] | None = None
+    """The actions that may be taken in each state, all where nothing follows; `None`: all."""
 
     @property
     def states(self) -> int:
@@ -48,6 +50,14 @@ class Task(NamedTuple):
     def shares(self) -> Float[Array, "S*A K"]:
         """The probability of each outcome."""
         return jnp.diff(self.below, axis=1, prepend=0.0, append=1.0)
+
+    def available_in(self, state: Int[Array, "*n"]) -> Bool[Array, "*n A"] | None:
+        """The actions that may be taken in some states; `None`: all."""
+        return None if self.available is None else self.available[state]
+
+    def only(self, states: Int[Array, "n"]) -> "Task":
+        """The same with what is shown of, and may be done in, some states alone."""
+        return self._replace(inputs=self.inputs[states], available=self.available_in(states))
 
     def transition(
         self, state: Int[Array, "*n"], action: Int[Array, "*n"], draw: Float[Array, "*n"] | None
@@ -80,8 +90,17 @@ def make_task(mdp: TabularMDP, starts: Int[np.ndarray, "starts"] | None = None) 
 
     Episodes begin in any of `starts`, or in the table's own.
 
-    A state is shown to the network by its factors; without factors, by its index.
+    A state is shown to the network by its factors; without factors, by its index. Episodes end
+    where nothing can be done, as in terminal states.
+
+    Raises:
+        ValueError: they begin in such a state.
     """
+    ends = mdp.ends
+    stuck = np.atleast_1d(mdp.start if starts is None else starts)
+    stuck = stuck[ends[stuck] & ~mdp.terminal[stuck]]
+    if len(stuck):
+        raise ValueError(f"no action is available in state {stuck[0]}; give another start")
     factors = list(mdp.factors.values()) or [np.arange(mdp.states)]
     inputs, rows = [], 0
     for labels in factors:
@@ -92,11 +111,14 @@ def make_task(mdp: TabularMDP, starts: Int[np.ndarray, "starts"] | None = None) 
     reached = chance.next_state.reshape(-1)
     task = Task(
         next_state=jnp.asarray(reached),
-        goes_on=jnp.asarray(np.where(mdp.terminal[reached], -1, reached), jnp.int32),
+        goes_on=jnp.asarray(np.where(ends[reached], -1, reached), jnp.int32),
         reward=jnp.asarray(chance.reward.reshape(-1), jnp.float32),
         below=jnp.asarray(chance.below, jnp.float32),
         inputs=jnp.asarray(np.stack(inputs, axis=1), jnp.int32),
         start=jnp.int32(mdp.start) if starts is None else jnp.asarray(starts, jnp.int32),
+        available=None
+        if mdp.always_available
+        else jnp.asarray(mdp.available | ~mdp.available.any(axis=1, keepdims=True)),
     )
     return task, rows
 
@@ -116,4 +138,7 @@ def roomy(task: Task) -> Task:
         reward=jnp.pad(task.reward, transitions),
         below=jnp.pad(task.below, (chosen, (0, 0))),
         inputs=jnp.pad(task.inputs, ((0, more), (0, 0))),
+        available=None
+        if task.available is None
+        else jnp.pad(task.available, ((0, more), (0, 0)), constant_values=True),
     )

@@ -57,7 +57,7 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
     while len(frontier):
         reached = mdp.next_state[frontier].ravel()
         reached, first = np.unique(reached, return_index=True)
-        fresh = ~seen[reached]
+        fresh = (reached >= 0) & ~seen[reached]  # below 0: an action that is not available
         reached, first = reached[fresh], first[fresh]
         seen[reached] = True
         source, action = np.divmod(first, mdp.action_count)
@@ -97,8 +97,8 @@ def distances(mdp: TabularMDP) -> Int64[np.ndarray, "S"]:
 def best_returns(mdp: TabularMDP, limit: int) -> Float64[np.ndarray, "S"]:
     """The return that the best policy expects from every state, whatever chance does.
 
-    V_0 = 0, and V_n(s) is the largest over actions of E[r + V_(n - 1)(s')], without V where s' is
-    terminal.
+    V_0 = 0, and V_n(s) is the largest over the actions available in s of E[r + V_(n - 1)(s')],
+    without V where s' is terminal; 0 in a state without actions, where an episode ends.
 
     Args:
         mdp: a world's table.
@@ -109,6 +109,9 @@ def best_returns(mdp: TabularMDP, limit: int) -> Float64[np.ndarray, "S"]:
         are no longer than the limit.
     """
     best, reward = np.zeros(mdp.states), mdp.reward.astype(np.float64)
+    if not mdp.always_available:
+        there = mdp.available
+        reward[~there & there.any(axis=1, keepdims=True)] = -np.inf
     for _ in range(limit):
         after = _expected(mdp, np.where(mdp.terminal, 0.0, best))
         better = (reward + after).max(axis=1)
@@ -121,7 +124,9 @@ def best_returns(mdp: TabularMDP, limit: int) -> Float64[np.ndarray, "S"]:
 def _expected(mdp: TabularMDP, values: Float64[np.ndarray, "S"]) -> Float64[np.ndarray, "S A"]:
     """The mean value of the states that each action leads to."""
     if isinstance(mdp.transitions, np.ndarray):
-        return values[mdp.transitions]
+        if mdp.always_available:
+            return values[mdp.transitions]
+        return np.where(mdp.available, values[mdp.transitions], 0.0)
     return (mdp.transitions @ values).reshape(mdp.states, -1)
 
 
