@@ -330,7 +330,9 @@ def test_the_attribute_that_keeps_growing_is_named():
 
 def test_a_factor_that_is_no_number_is_refused():
     with pytest.raises(ValueError, match="factor 'half' is not a whole number in every state"):
-        TabularMDP.from_gymnasium(Counter(), ignore=["steps"], factors={"half": lambda env: env.at / 2})
+        TabularMDP.from_gymnasium(
+            Counter(), ignore=["steps"], factors={"half": lambda env: env.at / 2}
+        )
 
 
 # On the command line

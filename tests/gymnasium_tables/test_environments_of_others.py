@@ -565,7 +565,10 @@ class TaxiEnv(Cells):
         self.s = 0
         moves = [7, -7, 1, -1, 0, 0]
         self.P = {
-            s: {a: [(1.0, s + by if 0 <= s + by < 14 else s, -1.0, False)] for a, by in enumerate(moves)}
+            s: {
+                a: [(1.0, s + by if 0 <= s + by < 14 else s, -1.0, False)]
+                for a, by in enumerate(moves)
+            }
             for s in range(14)
         }
 
@@ -657,6 +660,17 @@ def test_a_table_that_is_damaged_or_is_not_the_environments_is_refused(P: Any, m
     with pytest.raises(ValueError, match=re.escape(message)) as refused:
         T(WithP(P))
     assert "\n" not in str(refused.value)
+
+
+def test_an_empty_list_of_a_table_is_an_action_that_is_not_available():
+    P = changed(1, 0, [])
+    P[2] = [[], []]
+    mdp = T(WithP(P))
+    assert mdp.next_state.tolist() == [[0, 1], [-1, 2], [-1, -1]]
+    assert hb.empowerment(mdp, 2, states=[0])[0] == np.log2(3)  # to 0, 1 or 2
+    env = hb.EmpowermentReward(WithP(P), 1, beta=1.0)
+    env.reset(seed=0)
+    assert [env.step(1)[1] for _ in range(2)] == [0.0, 0.0]
 
 
 def test_an_outcome_that_the_table_does_not_list_is_found_where_it_is_random():

@@ -148,7 +148,7 @@ class _IndexedPlaces:
 
     def reached(self, env: Any, observation: Any, ended: bool) -> int | None:
         state = self.table.place(env, observation, ended)
-        return state if self.table.mdp.terminal[state] == ended else None
+        return state if self.table.ends[state] == ended else None
 
     def possible(self, state: int, action: int) -> Collection[int]:
         return self.table.after(state, action)

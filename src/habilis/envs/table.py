@@ -140,6 +140,17 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         there = np.flatnonzero(self._masks[self.state])
         return int(there[self.np_random.integers(len(there))])
 
+    def observe(self, state: int) -> np.ndarray:
+        """What is shown of a state.
+
+        Args:
+            state: its index.
+
+        Returns:
+            An observation, as `step` returns it.
+        """
+        return self._show(state)
+
     def _info(self) -> dict[str, Any]:
         state = self.state
         info: dict[str, Any] = {"state": state}

@@ -66,9 +66,7 @@ class View:
     pickled_whole: bool
 
 
-def view(
-    value: Any, name: str = "", ignore: Iterable[str] = (), strict: bool = True
-) -> View:
+def view(value: Any, name: str = "", ignore: Iterable[str] = (), strict: bool = True) -> View:
     """The identity of a value.
 
     Args:
@@ -276,11 +274,16 @@ def _member(value: enum.Enum) -> bytes:
 
 
 def _array(walk: _Walk, value: np.ndarray, number: int) -> Token:
-    if value.dtype.kind in "biuf" and value.size and value.ndim:
-        exact = value.astype(np.float64)
-        if (exact == value).all():
-            return _numbers(value.shape, (exact + 0.0).tobytes())
-    return walk.encode(value.tolist())
+    kind, wide = value.dtype.kind, value.dtype.itemsize > 4
+    exact = kind in "bf" or (kind in "iu" and not (wide and (abs(value) >= _EXACT).any()))
+    if kind == "f" and value.dtype.itemsize > 8:
+        exact = False
+    if not exact or not value.size or not value.ndim:
+        return walk.encode(value.tolist())
+    numbers = value.astype(np.float64) + 0.0  # -0.0 + 0.0 is 0.0
+    if kind == "f":
+        numbers[np.isnan(numbers)] = np.nan
+    return _numbers(value.shape, numbers.tobytes())
 
 
 def _numbers(shape: tuple[int, ...], content: bytes) -> bytes:
@@ -345,9 +348,14 @@ def _module(walk: _Walk, value: Any, number: int) -> Token:
 
 def _function(walk: _Walk, value: Any, number: int) -> Token:
     cells = [_content(cell) for cell in value.__closure__ or ()]
-    inside = (cells, value.__defaults__, value.__kwdefaults__, vars(value))
-    label = b"F" + _text(_full_name(value)) + _hash(value.__code__.co_code)
+    inside = (value.__code__, cells, value.__defaults__, value.__kwdefaults__, vars(value))
+    label = b"F" + _text(_full_name(value))
     return walk.node(number, label, [walk.encode(part) for part in inside])
+
+
+def _code(walk: _Walk, value: Any, number: int) -> Token:
+    inside = (value.co_code, value.co_consts, value.co_names)
+    return walk.node(number, b"D", [walk.encode(part) for part in inside])
 
 
 def _content(cell: Any) -> Any:
@@ -473,6 +481,7 @@ _COMPOSITES: tuple[tuple[Any, _Composite], ...] = (
     (logging.Logger, _no_state),
     (types.ModuleType, _module),
     (types.FunctionType, _function),
+    (types.CodeType, _code),
     (types.MethodType, _method),
     (types.BuiltinFunctionType, _builtin),
 )

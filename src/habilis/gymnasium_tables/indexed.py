@@ -7,7 +7,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Bool, Int64
 
 from habilis.gymnasium_tables.enumeration import made_step
 from habilis.gymnasium_tables.identity import view
@@ -25,6 +25,7 @@ class Indexed:
     Attributes:
         env: as the user passed it.
         mdp: the table.
+        ends: bool[S], the states in which a step terminates an episode.
         name: of the attribute that has the row; "" where the observation is it.
         twin: for each row that `name` can have, that of an episode that has ended there.
         rewards: by state, action and next state, the rewards that are possible; `None`: any.
@@ -33,6 +34,7 @@ class Indexed:
 
     env: Any
     mdp: TabularMDP
+    ends: Bool[np.ndarray, "S"]
     name: str
     twin: Int64[np.ndarray, "P"]
     rewards: Mapping[tuple[int, int, int], set[float]] | None = None
@@ -128,9 +130,7 @@ def verified(indexed: Indexed) -> int:
         else "its step does not follow its own table P"
     )
     raise ValueError(
-        mismatch.message(
-            type(unwrapped(indexed.env)).__name__, f"{advice}, or state=(save, load)"
-        )
+        mismatch.message(type(unwrapped(indexed.env)).__name__, f"{advice}, or state=(save, load)")
     )
 
 
@@ -145,10 +145,10 @@ class _Held:
 
     @cached_property
     def successors(self) -> list[list[list[int]]]:
-        mdp, actions = self.indexed.mdp, range(self.indexed.mdp.action_count)
+        indexed, actions = self.indexed, range(self.indexed.mdp.action_count)
         return [
-            [[] if mdp.terminal[state] else self.indexed.after(state, action) for action in actions]
-            for state in range(mdp.states)
+            [[] if indexed.ends[state] else indexed.after(state, action) for action in actions]
+            for state in range(indexed.mdp.states)
         ]
 
     def begin(self, seed: int) -> tuple[Any, int]:
@@ -165,7 +165,7 @@ class _Held:
             several = "one of states" if len(possible) > 1 else "state"
             listed = ", ".join(map(str, possible[:10])) + (", ..." if len(possible) > 10 else "")
             differs = (f"{several} {listed}", f"state {after}")
-        elif terminated != self.indexed.mdp.terminal[after]:
+        elif terminated != self.indexed.ends[after]:
             differs = (f"terminated={not terminated}", f"terminated={terminated}")
         elif self.indexed.rewards is not None and not self.rewarded_otherwise:
             due = self.indexed.rewards[state, action, after]

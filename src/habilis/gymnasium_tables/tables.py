@@ -66,11 +66,11 @@ def indexed(env: Any, max_states: int) -> Indexed:
     inner = unwrapped(env)
     own = getattr(inner, "dynamics", None)
     if isinstance(own, TabularMDP):
-        found = Indexed(env, own, "state", np.arange(own.states))
+        found = Indexed(env, own, own.ends, "state", np.arange(own.states))
         # It is stepped by this very table: only wrappers could make something else of it.
         return replace(found, verified=verified_index(found)) if step_changers(env) else found
     listed = listed_table(inner, action_count(env), max_states)
-    found = Indexed(env, listed.mdp, "s", listed.twin, listed.rewards)
+    found = Indexed(env, listed.mdp, listed.mdp.terminal, "s", listed.twin, listed.rewards)
     begun = found.copied()
     reset(begun, 0)
     name = "s" if hasattr(unwrapped(begun), "s") else ""
