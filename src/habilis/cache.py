@@ -3,13 +3,14 @@
 import hashlib
 import io
 import os
-import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from habilis.files import write_whole
 
 _DIGEST = hashlib.sha256
 
@@ -73,14 +74,7 @@ def _write(arrays: Arrays, path: Path) -> None:
     np.savez(content, allow_pickle=False, **arrays)
     content.write(_DIGEST(content.getbuffer()).digest())
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Under a name of its own: other processes may be at the same values.
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content.getbuffer())
-        Path(temporary).replace(path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
+    write_whole(path, lambda file: file.write(content.getbuffer()))
 
 
 def _read(path: Path) -> Arrays:

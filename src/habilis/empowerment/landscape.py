@@ -11,7 +11,7 @@ from jaxtyping import Float64
 from habilis.empowerment.core import Options, empowerment
 from habilis.empowerment.landscape_states import asked
 from habilis.empowerment.sensors import Sensor
-from habilis.files import suffix_of
+from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
 from habilis.worlds.moving import Where
 from habilis.worlds.placements import object_factors, tool_factors
@@ -100,8 +100,7 @@ class Landscape:
         if suffix in PICTURES:
             save_figure(draw_landscapes({self.title: self}), path)
         elif suffix == ".npy":
-            with Path(path).open("wb") as file:
-                np.save(file, self.values)
+            save_whole(path, lambda file: np.save(file, self.values))
         else:
             save_table(self.to_dataframe(), path)
 

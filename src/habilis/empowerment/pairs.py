@@ -21,7 +21,7 @@ from habilis.empowerment.influence import (
 )
 from habilis.empowerment.lasting import persistence
 from habilis.empowerment.measures import compared_states, held
-from habilis.files import suffix_of
+from habilis.files import save_whole, suffix_of
 from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
@@ -123,8 +123,7 @@ class Pairs:
         if suffix in PICTURES:
             save_figure(self.draw(), path)
         elif suffix == ".npy":
-            with Path(path).open("wb") as file:
-                np.save(file, self.averages)
+            save_whole(path, lambda file: np.save(file, self.averages))
         else:
             save_table(self.to_dataframe(), path)
 

@@ -1,15 +1,15 @@
 """Values of states as tables, in memory and as files."""
 
-import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import polars as pl
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import chosen_states
-from habilis.files import suffix_of
+from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
 
 
@@ -77,21 +77,21 @@ def save_table(table: pl.DataFrame, path: str | Path) -> None:
             the file cannot be written.
     """
     write = TABLES[suffix_of(path, TABLES)]
-    try:
-        write(table, Path(path))
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise ValueError(f"{path}: cannot be written ({str(error).splitlines()[0]})") from error
+
+    def fill(file: BinaryIO) -> None:
+        try:
+            write(table, file)
+        except (ValueError, pl.exceptions.PolarsError) as error:
+            raise ValueError(f"{path}: {str(error).splitlines()[0]}") from error
+
+    save_whole(path, fill)
 
 
-def _npz(table: pl.DataFrame, path: Path) -> None:
-    content = io.BytesIO()  # first, so that what cannot be said so costs no file that is there
+def _npz(table: pl.DataFrame, file: BinaryIO) -> None:
     try:
-        np.savez(content, allow_pickle=False, **{c.name: _array(c) for c in table})
+        np.savez(file, allow_pickle=False, **{c.name: _array(c) for c in table})
     except (TypeError, ValueError) as error:
-        raise ValueError(
-            f"{path}: .npz cannot have these columns ({error}); use .parquet"
-        ) from None
-    path.write_bytes(content.getbuffer())
+        raise ValueError(f".npz cannot have these columns ({error}); use .parquet") from None
 
 
 def _array(column: pl.Series) -> np.ndarray:
@@ -100,20 +100,19 @@ def _array(column: pl.Series) -> np.ndarray:
     return np.array(column.to_list(), str) if words else column.to_numpy()
 
 
-def _npy(table: pl.DataFrame, path: Path) -> None:
+def _npy(table: pl.DataFrame, file: BinaryIO) -> None:
     columns = [column for column in table if column.dtype.is_float()]
     if len(columns) != 1:
         names = ", ".join(column.name for column in columns) or "none"
         raise ValueError(
-            f"{path}: .npy is for one column of values, here are {names}; use .npz, .csv, .parquet"
+            f".npy is for one column of values, here are {names}; use .npz, .csv, .parquet"
         )
-    with path.open("wb") as file:
-        np.save(file, columns[0].to_numpy())
+    np.save(file, columns[0].to_numpy())
 
 
-TABLES: dict[str, Callable[[pl.DataFrame, Path], None]] = {
-    ".csv": lambda table, path: table.write_csv(path),
-    ".parquet": lambda table, path: table.write_parquet(path),
+TABLES: dict[str, Callable[[pl.DataFrame, BinaryIO], None]] = {
+    ".csv": lambda table, file: table.write_csv(file),
+    ".parquet": lambda table, file: table.write_parquet(file),
     ".npz": _npz,
     ".npy": _npy,
 }

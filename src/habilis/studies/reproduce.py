@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import polars as pl
 
+from habilis.files import check_folder
 from habilis.learning.display import progress_bars
-from habilis.learning.folder import check_writable
 from habilis.learning.train import train
 from habilis.studies import figures
 from habilis.studies.learned import learned_relations
@@ -82,7 +82,7 @@ def reproduce(
 
 def _check_replaceable(out: Path) -> None:
     """Refuses a folder that holds anything but an earlier reproduction."""
-    check_writable(out)
+    check_folder(out)
     if out.is_symlink():
         raise ValueError(f"{out}: is a link; name the folder itself")
     if out.exists() and not _is_reproduction(out):

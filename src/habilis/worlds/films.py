@@ -6,14 +6,14 @@ from fractions import Fraction
 from itertools import chain, repeat
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from jaxtyping import UInt8
 from PIL import Image
 
 from habilis.extras import import_from
-from habilis.files import suffix_of
+from habilis.files import suffix_of, write_whole
 from habilis.worlds.tiles import Tiles
 from habilis.worlds.world import World
 
@@ -74,7 +74,8 @@ def save_gif(states: States, path: str | Path, cell: int = 32, milliseconds: int
     )
     durations = [milliseconds] * (len(states) - 1) + [_REST * milliseconds]
     image = next(images)
-    image.save(path, format="GIF", save_all=True, append_images=images, duration=durations, loop=0)
+    how: Any = {"append_images": images, "duration": durations, "loop": 0}
+    write_whole(path, lambda file: image.save(file, format="GIF", save_all=True, **how))
 
 
 def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int = 250) -> None:
@@ -108,7 +109,7 @@ def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int
         if process.returncode:
             complaints.seek(0)
             raise OSError(f"ffmpeg: {complaints.read().decode(errors='replace').strip()}")
-        Path(path).write_bytes(film.read_bytes())
+        write_whole(path, lambda file: file.write(film.read_bytes()))
 
 
 _SAVERS: dict[str, Callable[[States, str | Path, int, int], None]] = {
