@@ -10,7 +10,7 @@ import numpy as np
 import habilis
 from habilis.cli_arguments import COMPARED, OPTIONS, PREFIX, Args, Verb, parser
 from habilis.cli_learning import plot, study, sweep, train, watch
-from habilis.cli_output import console, print_json, refuse, save
+from habilis.cli_output import check_outputs, console, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
 from habilis.worlds.map_writing import header_of
 from habilis.worlds.moving import Where, elsewhere
@@ -30,6 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         args = parser(_VERBS).parse_args(arguments)
         args.command = list(sys.argv[1:] if arguments is None else arguments)
+        check_outputs(args)
         status = args.verb(args)
         sys.stdout.flush()
         return status
@@ -107,7 +108,8 @@ def empowerment(args: Args) -> int:
         mdp, args.horizon, args.sensor, _actions(args.actions), return_gap=True, **options
     )
     if args.out is not None:
-        columns = {args.unit: values} | ({"gap": gap} if gap.any() else {})
+        with_gap = gap.any() and args.out.suffix.lower() != ".npy"  # one column of values
+        columns = {args.unit: values} | ({"gap": gap} if with_gap else {})
         save_table(to_dataframe(mdp, columns), args.out)
     summary = {
         "states": len(values),
@@ -262,17 +264,18 @@ def futures(args: Args) -> int:
         mdp = reachable(world, start_of(world), max(args.horizon, 0))[0].slippery(args.slip)
     else:
         mdp = habilis.tabulate(world, args.slip)
+    cells = [name for name in mdp.factors if mdp.is_cell(name)]
+    drawable = args.sensor != "state" and mdp.factor_named(args.sensor, "sensor") in cells
+    if args.out is not None and not drawable:
+        raise ValueError(
+            f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
+        )
     found = measure(
         mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), unit=args.unit
     )
     if args.out is not None:
         from habilis.worlds.pictures import save_figure
 
-        cells = [name for name in mdp.factors if mdp.is_cell(name)]
-        if args.sensor == "state" or mdp.factor_named(args.sensor) not in cells:
-            raise ValueError(
-                f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
-            )
         figure = futures_figure(world, mdp, found, args.sensor)
         save(args.out, lambda path: save_figure(figure, path))
     if args.json:

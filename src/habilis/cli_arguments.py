@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import habilis
+from habilis.files import FILMS, FOLDER, PICTURES, TABLES
 from habilis.worlds.world import NO_TOOL, Cell
 
 Args = argparse.Namespace
@@ -55,6 +56,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("name", nargs="?", metavar="NAME", help="a built-in world or a map file")
     _tool(v)
     v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+    v.set_defaults(writes={"out": PICTURES})
 
     v = verb("solve", "find a shortest plan", "habilis solve corridor --tool none")
     _world(v)
@@ -71,6 +73,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument(
         "--out", type=Path, metavar="F.csv", help="all values (.csv, .parquet, .npz, .npy)"
     )
+    v.set_defaults(writes={"out": TABLES})
 
     v = verb(
         "landscape",
@@ -83,6 +86,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _places(v)
     kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     v.add_argument("--out", type=Path, metavar="F.png", help=kinds)
+    v.set_defaults(writes={"out": (*PICTURES, *TABLES)})
 
     v = verb(
         "futures",
@@ -95,6 +99,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--agent-at", type=_cell, metavar="ROW,COLUMN", help="another for the agent")
     _places(v)
     v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+    v.set_defaults(writes={"out": PICTURES})
 
     v = verb(
         "compare",
@@ -113,6 +118,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     kinds = "of --pairs: picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     text = f"{kinds}; again for another"
     v.add_argument("--out", type=Path, action="append", default=[], metavar="F.png", help=text)
+    v.set_defaults(writes={"out": (*PICTURES, *TABLES)})
     _slip(v)
     _unit(v)
 
@@ -129,6 +135,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
     seconds = "time between checkpoints (default 10)"
     v.add_argument("--checkpoint-seconds", type=float, default=10.0, metavar="S", help=seconds)
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "watch", "replay what an agent learned", "habilis watch runs/toe --run 2 --gif toe.gif"
@@ -139,6 +146,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--seed", type=int, default=0, help=seed)
     v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
     v.add_argument("--mp4", type=Path, metavar="F.mp4", help="or as a video (extra [video])")
+    v.set_defaults(writes={"gif": FILMS[:1], "mp4": FILMS[1:]})
     v.add_argument("--speed", type=_positive, default=4.0, help="steps a second (default 4)")
 
     v = verb(
@@ -153,6 +161,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
         metavar="F.png",
         help="picture (.png, .svg, .pdf; default curves.png, or none with --json)",
     )
+    v.set_defaults(writes={"out": PICTURES})
     v.add_argument("--x", choices=("episodes", "steps"), default="episodes", help="to the right")
     v.add_argument(
         "--value",
@@ -180,6 +189,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--ray", metavar="ADDRESS", help=ray)
     text = "train in so many processes, or as many as there is memory for (default: in this one)"
     v.add_argument("--processes", type=int, metavar="N", help=text)
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "reproduce",
@@ -188,6 +198,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
     v.add_argument("--quick", action="store_true", help="few runs and episodes, in 3 minutes")
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "study",
@@ -199,6 +210,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
     v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
     v.add_argument("--quick", action="store_true", help="so little that it says nothing: a trial")
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "reconstruct",
@@ -216,6 +228,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--hot", type=float, default=1.0, metavar="T", help="temperature to begin at")
     begin = "begin each attempt with this map (default: at random)"
     v.add_argument("--from", dest="begin", metavar="WORLD", help=begin)
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "studio",
@@ -232,6 +245,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--tool", action="append", default=[], dest="tools", metavar="TOOL", help=own)
     kept = "keep what is trained from the page there (default: until the studio ends)"
     v.add_argument("--out", type=Path, metavar="DIR", help=kept)
+    v.set_defaults(writes={"out": FOLDER})
     v.add_argument("--no-browser", action="store_true", help="only print the address")
 
     v = verb("bench", "measure our speed beside the alternatives", "habilis bench empowerment")

@@ -8,16 +8,12 @@ import numpy as np
 
 from habilis.cli_arguments import COMPARED, PAIRS_HORIZON, Args
 from habilis.cli_output import print_json, save
-from habilis.empowerment.pairs import MEASURES, Pairs, check_suffix, pairs
+from habilis.empowerment.pairs import MEASURES, Pairs, pairs
 from habilis.worlds.world import World, load_world
 
 
 def compare_pairs(args: Args) -> int:
     """Prints the matrix, a line for each pair, and writes pictures and tables."""
-    for path in args.out:
-        check_suffix(path)
-        if not path.absolute().parent.is_dir():
-            raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
     world = load_world(args.world)
     found = pairs(
         world,

@@ -12,6 +12,9 @@ from typing import BinaryIO
 
 PICTURES = (".png", ".svg", ".pdf")
 TABLES = (".csv", ".parquet", ".npz", ".npy")
+FILMS = (".gif", ".mp4")
+FOLDER = ()
+"""In place of suffixes: a folder is written."""
 
 _LONGEST_NAME = 240  # bytes: what file systems allow, less what a temporary name adds
 _PARTIAL = ".partial"
@@ -130,11 +133,16 @@ def check_file(path: str | Path, known: Iterable[str]) -> None:
         target = _target(path)
         there, folder = _status(target), target.parent
         if there is not None and stat.S_ISDIR(there.st_mode):
-            raise ValueError(f"{path}: is a folder; name a file in it")
+            raise ValueError(f"{path}: cannot be written (it is a folder); name a file in it")
         if not folder.exists():
-            raise ValueError(f"{path}: there is no folder {folder}; make it first")
+            missing = folder if Path(path).is_symlink() else Path(path).parent
+            raise ValueError(
+                f"{path}: cannot be written (there is no folder {missing}); make it first"
+            )
         if not folder.is_dir():
-            raise ValueError(f"{path}: {folder} is not a folder; name another place")
+            raise ValueError(
+                f"{path}: cannot be written ({folder} is not a folder); name another place"
+            )
         if there is not None and not os.access(target, os.W_OK):
             raise ValueError(f"{path}: cannot be written (it is read-only); name another file")
         if there is None or stat.S_ISREG(there.st_mode):
@@ -193,7 +201,7 @@ def _status(path: Path) -> os.stat_result | None:
     """What is at a path, if anything is."""
     try:
         return path.stat()
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
 
 

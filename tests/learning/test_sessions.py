@@ -9,12 +9,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+from disks import mounted
 
 from habilis.cli import main
 from habilis.learning import checkpoints
@@ -229,23 +228,6 @@ def test_a_finished_run_is_resumed_by_reading_it(room, tmp_path, capsys):
     before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
     assert main([*arguments, "--resume"]) == 0
     assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
-
-
-@contextmanager
-def mounted(place: Path, options: str) -> Iterator[None]:
-    """A file system in memory, of a size or not to be written to."""
-    place.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(place)]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True)
-    except OSError as error:
-        pytest.skip(f"cannot mount a file system: {error}")
-    if done.returncode:
-        pytest.skip(f"may not mount a file system: {done.stderr.strip()}")
-    try:
-        yield
-    finally:
-        subprocess.run(["umount", str(place)], check=True)
 
 
 def test_a_full_disk_is_one_line_and_with_room_it_goes_on(room, tmp_path, whole):

@@ -93,14 +93,14 @@ class Landscape:
             ValueError: another suffix, or the table cannot be written; nothing is written.
         """
         from habilis.empowerment.landscape_picture import draw_landscapes
-        from habilis.empowerment.tables import TABLES, save_table
+        from habilis.empowerment.tables import TABLES, save_table, write_array
         from habilis.worlds.pictures import PICTURES, save_figure
 
         suffix = suffix_of(path, [*PICTURES, *TABLES])
         if suffix in PICTURES:
             save_figure(draw_landscapes({self.title: self}), path)
         elif suffix == ".npy":
-            save_whole(path, lambda file: np.save(file, self.values))
+            save_whole(path, lambda file: write_array(self.values, file))
         else:
             save_table(self.to_dataframe(), path)
 

@@ -116,14 +116,14 @@ class Pairs:
         Raises:
             ValueError: another suffix, or the table cannot be written; nothing is written.
         """
-        from habilis.empowerment.tables import save_table
+        from habilis.empowerment.tables import TABLES, save_table, write_array
         from habilis.worlds.pictures import PICTURES, save_figure
 
-        suffix = check_suffix(path)
+        suffix = suffix_of(path, [*PICTURES, *TABLES])
         if suffix in PICTURES:
             save_figure(self.draw(), path)
         elif suffix == ".npy":
-            save_whole(path, lambda file: np.save(file, self.averages))
+            save_whole(path, lambda file: write_array(self.averages, file))
         else:
             save_table(self.to_dataframe(), path)
 
@@ -138,18 +138,6 @@ class Pairs:
 
 MEASURES = ("range", "latency", "median_latency", "persistence", "reliability")
 """What is said of a pair besides its averages, by the names of the attributes."""
-
-
-def check_suffix(path: str | Path) -> str:
-    """The suffix of a file that `Pairs.save` can write.
-
-    Raises:
-        ValueError: it cannot write such a one.
-    """
-    from habilis.empowerment.tables import TABLES
-    from habilis.worlds.pictures import PICTURES
-
-    return suffix_of(path, [*PICTURES, *TABLES])
 
 
 def pairs(

@@ -1,6 +1,7 @@
 """Values of states as tables, in memory and as files."""
 
 from collections.abc import Callable, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
@@ -107,7 +108,14 @@ def _npy(table: pl.DataFrame, file: BinaryIO) -> None:
         raise ValueError(
             f".npy is for one column of values, here are {names}; use .npz, .csv, .parquet"
         )
-    np.save(file, columns[0].to_numpy())
+    write_array(columns[0].to_numpy(), file)
+
+
+def write_array(array: np.ndarray, file: BinaryIO) -> None:
+    """Writes an array as .npy, as bytes: of a full disk NumPy itself says only how far it came."""
+    content = BytesIO()
+    np.save(content, array, allow_pickle=False)
+    file.write(content.getbuffer())
 
 
 TABLES: dict[str, Callable[[pl.DataFrame, BinaryIO], None]] = {
