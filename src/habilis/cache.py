@@ -15,10 +15,18 @@ from habilis.files import write_whole
 _DIGEST = hashlib.sha256
 
 
-def cache_folder() -> Path:
-    """Where things are kept: `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`."""
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "habilis"
+def cache_folder() -> Path | None:
+    """Where things are kept: `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`.
+
+    Returns:
+        The folder; `None` for a user who has no home.
+    """
+    if named := os.environ.get("XDG_CACHE_HOME"):
+        return Path(named) / "habilis"
+    try:
+        return Path.home() / ".cache" / "habilis"
+    except RuntimeError:
+        return None
 
 
 def fingerprint(*parts: Any) -> str:
@@ -58,7 +66,10 @@ def kept(
         folder: where they are kept; by default `cache_folder()`.
         accept: whether those from the disk may be used.
     """
-    path = (cache_folder() if folder is None else folder) / f"{name}.npz"
+    folder = cache_folder() if folder is None else folder
+    if folder is None:
+        return compute()
+    path = folder / f"{name}.npz"
     with suppress(OSError, ValueError, EOFError):
         found = _read(path)
         if accept(found):

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
-from numba import njit
+
+from habilis.compiled import compiled
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -151,7 +152,7 @@ def _around(
     return states, Successors(first, state, probability, successors.actions)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _neighbourhood(first, state, probability, actions, start, horizon):
     place = {np.int32(start): np.int32(0)}
     near = [np.int32(start)]
@@ -185,7 +186,7 @@ def _neighbourhood(first, state, probability, actions, start, horizon):
     return np.array(near, np.int32), local_first, local_state, local_probability
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _count_within(first, state, actions, start, horizon):
     near = [np.int32(start)]
     met = {np.int32(start): True}
@@ -203,7 +204,7 @@ def _count_within(first, state, actions, start, horizon):
     return counts
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _key(row):
     key = np.uint64(0x9E3779B97F4A7C15)
     for value in row:
@@ -213,7 +214,7 @@ def _key(row):
     return key
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _find(row, key, slots, keys, rows, count):
     """The slot of a row like this one, or the free slot where it belongs."""
     mask = np.uint64(len(slots) - 1)
@@ -232,7 +233,7 @@ def _find(row, key, slots, keys, rows, count):
     return slot
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _advance(matrix, first, state, probability, actions, most):
     """One action more: the distinct beliefs, and from which row and by what they came about."""
     count, width = matrix.shape
@@ -274,7 +275,7 @@ def _advance(matrix, first, state, probability, actions, most):
     return rows[:found].copy(), parent[:found].copy(), action[:found].copy()
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _gather(matrix):
     count, width = matrix.shape
     size = 16
@@ -297,7 +298,7 @@ def _gather(matrix):
     return rows[:found].copy(), first[:found].copy()
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _follow(sequences, first, state, probability, actions):
     width = (len(first) - 1) // actions
     rows = np.zeros((len(sequences), width))

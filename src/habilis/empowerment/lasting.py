@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
-from numba import njit
 from numpy.typing import ArrayLike
 
+from habilis.compiled import compiled
 from habilis.empowerment.arguments import Unit, chosen_actions, chosen_states, per_bit
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
@@ -90,7 +90,7 @@ def _certain_table(
     return np.ascontiguousarray(mdp.next_state[:, used])
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _components(
     table: Int32[np.ndarray, "S A"], starts: Int32[np.ndarray, "n"]
 ) -> tuple[Int32[np.ndarray, "S"], Int32[np.ndarray, "reached"]]:
@@ -143,7 +143,7 @@ def _components(
     return component, closed[:done]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _most_in_reach(
     table: Int32[np.ndarray, "S A"],
     labels: Int32[np.ndarray, "S"],

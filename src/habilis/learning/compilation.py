@@ -13,5 +13,6 @@ def keep_compiled() -> None:
     In `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`. JAX's own settings come first:
     `JAX_COMPILATION_CACHE_DIR` names another place, `JAX_ENABLE_COMPILATION_CACHE=false` is none.
     """
-    if getattr(jax.config, _PLACE) is None:
-        jax.config.update(_PLACE, str(cache_folder()))
+    folder = cache_folder()
+    if getattr(jax.config, _PLACE) is None and folder is not None:
+        jax.config.update(_PLACE, str(folder))

@@ -113,12 +113,24 @@ def _write(reproduction: Reproduction) -> None:
         _write_figures(reproduction.results, folder)
         write_report(reproduction, folder)
         folder.chmod(0o755)
-        if out.exists():
-            shutil.rmtree(out)
-        folder.rename(out)
+        _put_in_place(folder, out)
     except (OSError, pl.exceptions.PolarsError) as error:
         reason = str(error).splitlines()[0]
         raise ValueError(f"{out}: cannot be written ({reason}); what there is: {folder}") from error
+
+
+def _put_in_place(folder: Path, out: Path) -> None:
+    """Has a whole folder take the place of an earlier one, which stays if that fails."""
+    earlier = folder.with_name(f"{folder.name}-earlier")
+    if out.exists():
+        out.rename(earlier)
+    try:
+        folder.rename(out)
+    except OSError:
+        if earlier.exists():
+            earlier.rename(out)
+        raise
+    shutil.rmtree(earlier, ignore_errors=True)
 
 
 def _write_data(reproduction: Reproduction, folder: Path) -> None:
