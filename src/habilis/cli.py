@@ -3,12 +3,12 @@
 import os
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import habilis
-from habilis.cli_arguments import COMPARED, OPTIONS, PREFIX, Args, Verb, parser
+from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, compared, parser
 from habilis.cli_learning import plot, study, sweep, train, watch
 from habilis.cli_output import check_outputs, console, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
@@ -18,6 +18,9 @@ from habilis.worlds.placements import start_of
 from habilis.worlds.plans import check_certain
 from habilis.worlds.reach import MAX_STATES, reachable
 from habilis.worlds.world import NO_TOOL, Cell, World, load_world, world_names
+
+if TYPE_CHECKING:
+    from habilis.empowerment.usefulness import Usefulness
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -200,7 +203,7 @@ def _where(world: World, kind: str, places: list[tuple[str, Cell]] | None) -> Wh
 
 def compare(args: Args) -> int:
     from habilis.empowerment.measures import compare as measure
-    from habilis.empowerment.measures import ranking
+    from habilis.empowerment.measures import ranking, with_each_tool
     from habilis.empowerment.usefulness import usefulness
 
     if args.pairs:
@@ -215,11 +218,11 @@ def compare(args: Args) -> int:
     if len(world.objects) > 1:
         named = ", ".join(thing.name for thing in world.objects)
         raise ValueError(f"{world.name} has several objects, {named}; add --pairs for each of them")
-    tools = COMPARED if args.tools is None else args.tools
+    tools = compared(world) if args.tools is None else args.tools
     averages = measure(world, tools, args.horizon, args.slip, unit=args.unit)
     verdicts = {
-        tool: usefulness(world.with_tool(tool), args.horizon, args.slip, unit=args.unit)
-        for tool in averages
+        tool: usefulness(armed, args.horizon, args.slip, unit=args.unit)
+        for tool, armed in with_each_tool(world, tools).items()
         if tool != NO_TOOL
     }
     if args.json:
@@ -227,8 +230,10 @@ def compare(args: Args) -> int:
             tool: {
                 "useful": verdict.useful_on_average,
                 "better_than_none": verdict.better_than_none_on_average,
+                "encumbers": verdict.encumbers_on_average,
                 "useful_share": float(verdict.useful.mean()),
                 "better_than_none_share": float(verdict.better_than_none.mean()),
+                "encumbers_share": float(verdict.encumbers.mean()),
             }
             for tool, verdict in verdicts.items()
         }
@@ -240,13 +245,19 @@ def compare(args: Args) -> int:
     for tool in ranking(averages):
         line = f"{tool:>{width}}  {averages[tool]:.4f}"
         if tool in verdicts:
-            verdict = verdicts[tool]
-            better = verdict.better_than_none_on_average
-            line += f"  {'better than none' if better else 'encumbers the agent'}"
-            line += f" (in {verdict.better_than_none.mean():.0%} of placements;"
-            line += f" useful in {verdict.useful.mean():.0%})"
+            line += f"  {_verdict(verdicts[tool])}"
         print(line)
     return 0
+
+
+def _verdict(tool: "Usefulness") -> str:
+    useful = f"useful in {tool.useful.mean():.0%}"
+    better, worse = tool.better_than_none.mean(), tool.encumbers.mean()
+    if tool.better_than_none_on_average:
+        return f"better than none (in {better:.0%} of placements; {useful})"
+    if tool.encumbers_on_average:
+        return f"encumbers the agent (in {worse:.0%} of placements; {useful})"
+    return f"equal to none (better in {better:.0%} of placements, worse in {worse:.0%}; {useful})"
 
 
 def futures(args: Args) -> int:

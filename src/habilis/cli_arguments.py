@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 
 import habilis
 from habilis.files import FILMS, FOLDER, PICTURES, TABLES
-from habilis.worlds.world import NO_TOOL, Cell
+from habilis.worlds.world import NO_TOOL, Cell, World
 
 Args = argparse.Namespace
 Verb = Callable[[Args], int]
@@ -17,11 +17,16 @@ OPTIONS = (
     *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
 )
 COMPARED = ("picker", "broom", NO_TOOL)
-"""The tools that are compared where nobody says which."""
+"""The tools that are compared, after those of the map, where nobody says which."""
 PAIRS_HORIZON = 6
 
 _TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
+
+
+def compared(world: World) -> list[str]:
+    """The map's own tools, as it has them, and those that come with the package, each once."""
+    return [*dict.fromkeys([*(tool.name for tool in world.tools), *COMPARED])]
 
 
 class _Parser(argparse.ArgumentParser):
@@ -107,7 +112,8 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
         "habilis compare yard --tools picker,broom,none --horizon 3",
     )
     v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
-    text = f"each {_TOOLS} (default {','.join(COMPARED)})"
+    text = f"each {_TOOLS}, or one of the map's (default: those of the map, then"
+    text += f" {','.join(COMPARED)})"
     v.add_argument("--tools", type=_words, metavar="A,B,...", help=text)
     text = f"number of actions (with --pairs up to so many, by default {PAIRS_HORIZON})"
     v.add_argument("--horizon", type=int, metavar="H", help=text)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from habilis.cli_arguments import COMPARED, PAIRS_HORIZON, Args
+from habilis.cli_arguments import PAIRS_HORIZON, Args, compared
 from habilis.cli_output import print_json, save
 from habilis.empowerment.pairs import MEASURES, Pairs, pairs
 from habilis.worlds.world import World, load_world
@@ -43,7 +43,7 @@ def _tools(world: World) -> Sequence[str] | None:
     """Of a map with one tool also those that are compared without --pairs."""
     if len(world.tools) != 1:
         return None
-    return [*dict.fromkeys([world.tools[0].name, *COMPARED])]
+    return compared(world)
 
 
 def _matrix(found: Pairs) -> Iterable[list[str]]:

@@ -268,7 +268,10 @@ def test_a_folder_that_is_read_only_is_one_line(room, tmp_path, capsys):
         assert main(["train", str(room), *OPTIONS, "--out", str(disk / "run")]) == 2
         lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 3
-    assert all(f"{disk} cannot be written to; name another place" in line for line in lines)
+    assert all(
+        f"{disk} cannot be written to (Read-only file system); name another place" in line
+        for line in lines
+    )
 
 
 def test_a_disk_that_turns_read_only_is_one_line(room, interrupted, capsys, monkeypatch):

@@ -372,7 +372,7 @@ def test_without_a_table_the_numbers_are_the_same(folder):
 
 def test_tools_that_go_by_one_name_are_not_compared():
     kind: type = type(tool_named(RAKE))
-    with pytest.raises(ValueError, match=r"two of the tools have one name, of rake\.py:Rake"):
+    with pytest.raises(ValueError, match=r"two of the tools have one name, 'rake\.py:Rake'"):
         compare(load_world("yard"), [kind(), kind()], 1)
     assert list(compare(load_world("yard"), [kind(), "none"], 1)) == [RAKE, "none"]
 

@@ -20,12 +20,12 @@ from habilis.empowerment.influence import (
     share,
 )
 from habilis.empowerment.lasting import persistence
-from habilis.empowerment.measures import compared_states, held
+from habilis.empowerment.measures import compared_states, held, with_each_tool
 from habilis.files import save_whole, suffix_of
 from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
-from habilis.worlds.world import NO_TOOL, World
+from habilis.worlds.world import World
 
 if TYPE_CHECKING:
     import polars as pl
@@ -183,7 +183,7 @@ def pairs(
                [0.41, 0.37]])
     """
     horizon = at_least_one("horizon", horizon)
-    rows = _with_each_tool(world, tools)
+    rows = with_each_tool(world, tools)
     columns = tuple(dict.fromkeys(_object_names(world) if objects is None else objects))
     if not columns:
         raise ValueError(f"no objects; name some of {', '.join(_object_names(world))}")
@@ -251,24 +251,3 @@ def _dynamics(pair: World) -> object:
 
 def _object_names(world: World) -> list[str]:
     return [thing.name for thing in world.objects]
-
-
-def _with_each_tool(world: World, tools: Sequence[str | Tool | type] | None) -> dict[str, World]:
-    """The world with one of the tools alone, by the tool's name."""
-    own = {tool.name: tool for tool in world.tools}
-    asked = [*own, NO_TOOL] if tools is None else tools
-    if not asked:
-        raise ValueError(f"no tools to compare; name some, such as picker,broom,{NO_TOOL}")
-    found: dict[str, World] = {}
-    given: list[str | Tool | type] = []
-    for tool in asked:
-        if tool in given:
-            continue
-        given.append(tool)
-        there = own.get(tool) if isinstance(tool, str) else None
-        armed = world.with_tool(tool if there is None else there)
-        name = armed.tool if there is None else there.name
-        if name in found:
-            raise ValueError(f"two of the tools have one name, {name!r}; compare each alone")
-        found[name] = armed
-    return found
