@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from habilis.empowerment.arguments import chosen_states
 from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
+from habilis.probabilities import as_array
 
 
 def to_dataframe(
@@ -53,7 +54,7 @@ def to_dataframe(
     columns |= {name: flags[rows] for name, flags in mdp.flags.items()}
     given = [] if values is None else [values if isinstance(values, Mapping) else {"bits": values}]
     for name, measured in ((n, m) for mapping in [*given, measures] for n, m in mapping.items()):
-        column = np.asarray(measured)
+        column = as_array(name, measured)
         if column.shape != (len(rows),):
             raise ValueError(
                 f"{name} has shape {column.shape}; give one value for each of the "

@@ -12,6 +12,7 @@ from jaxtyping import Bool, Int64, Shaped
 from habilis.envs.observations import Observation, ranks
 from habilis.envs.table import MAX_STEPS, check_episode
 from habilis.mdp import TabularMDP
+from habilis.probabilities import as_array
 from habilis.worlds.chance import Chance
 
 Stepped = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]
@@ -149,7 +150,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def _checked(self, actions: Any) -> Int64[np.ndarray, "N"]:
         """The actions, some of them drawn anew where there is slip."""
-        chosen = np.asarray(actions)
+        chosen = as_array("actions", actions)
         if chosen.shape != (self.num_envs,) or chosen.dtype.kind not in "iu":
             raise ValueError(
                 f"actions have shape {chosen.shape} and type {chosen.dtype}; "
