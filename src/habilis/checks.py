@@ -93,4 +93,4 @@ def _check_type(name: str, value: Any, wanted: type) -> None:
                 "is in float32"
             )
     if wanted is str and not isinstance(value, str):
-        raise ValueError(f"{name} is {value!r}; give a text")
+        raise ValueError(f"{name} is {value!r:.60}; give a text")

@@ -1,24 +1,27 @@
 """What each verb of the command line takes."""
 
 import argparse
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
 import habilis
 from habilis.files import FILMS, FOLDER, PICTURES, TABLES
-from habilis.worlds.world import NO_TOOL, Cell, World
+from habilis.worlds.world import ENVIRONMENT, NO_TOOL, Cell, World
 
 Args = argparse.Namespace
 Verb = Callable[[Args], int]
 
-PREFIX = "gym:"
+PREFIX = ENVIRONMENT
 OPTIONS = (
     *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
 )
 COMPARED = ("picker", "broom", NO_TOOL)
 """The tools that are compared, after those of the map, where nobody says which."""
 PAIRS_HORIZON = 6
+_PYTHON_ONLY = ("max_states", "key", "state", "ignore", "factors", "starts", "states")
+"""Arguments that errors of the library name, besides those that are options of the verbs."""
 
 _TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
@@ -65,6 +68,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb("solve", "find a shortest plan", "habilis solve corridor --tool none")
     _world(v)
+    _most(v)
 
     v = verb(
         "empowerment",
@@ -74,7 +78,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _world(v, or_environment=True)
     _measure(v)
     _options(v)
-    v.add_argument("--max-states", type=int, metavar="N", help="how many states to accept")
+    _most(v)
     v.add_argument(
         "--out", type=Path, metavar="F.csv", help="all values (.csv, .parquet, .npz, .npy)"
     )
@@ -87,7 +91,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     _world(v)
     _measure(v)
-    _unit(v)
+    _options(v)
     _places(v)
     kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     v.add_argument("--out", type=Path, metavar="F.png", help=kinds)
@@ -101,6 +105,8 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _world(v)
     _measure(v)
     _unit(v)
+    _tolerance(v)
+    _memory(v)
     v.add_argument("--agent-at", type=_cell, metavar="ROW,COLUMN", help="another for the agent")
     _places(v)
     v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
@@ -126,7 +132,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--out", type=Path, action="append", default=[], metavar="F.png", help=text)
     v.set_defaults(writes={"out": (*PICTURES, *TABLES)})
     _slip(v)
-    _unit(v)
+    _options(v)
 
     v = verb(
         "train",
@@ -256,7 +262,38 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb("bench", "measure our speed beside the alternatives", "habilis bench empowerment")
     v.add_argument("what", nargs="*", metavar="WHAT", help="which benchmarks (default all)")
+    for added in verbs.choices.values():
+        flags = {a.dest: a.option_strings[0] for a in added._actions if a.option_strings}
+        added.set_defaults(flags=flags)
     return whole
+
+
+def in_flags(message: str, flags: Mapping[str, str]) -> str:
+    """An error of the library as the command line says it: arguments by their options.
+
+    Args:
+        message: names arguments as Python has them, as in `raise max_gib` and `unit='nats'`.
+        flags: the options of the verb, by the names of their arguments.
+
+    Example:
+        >>> in_flags("slip is 2; give slip=0.1 or raise max_gib", {"slip": "--slip"})
+        '--slip is 2; give --slip 0.1 or raise max_gib (in Python)'
+    """
+    names = sorted({*flags, *OPTIONS, *_PYTHON_ONLY}, key=len, reverse=True)
+    every, long = "|".join(names), "|".join(name for name in names if "_" in name)
+    named = re.compile(
+        rf"(?<![\w./-])(?P<given>{every})=(?P<value>'[^']*'|[\w.]+)?"
+        rf"|(?<![\w./'-])(?P<long>{long})(?![\w./'=])"
+        rf"|(?:^|(?<=: )|(?<=, )|(?<=and )|(?<=but ))(?P<subject>{every})(?= (?:is|has|have) )"
+    )
+
+    def said(found: re.Match[str]) -> str:
+        name = found["given"] or found["long"] or found["subject"]
+        if name in flags:
+            return f"{flags[name]} {(found['value'] or '').strip(chr(39))}".rstrip()
+        return found[0] if found["subject"] else f"{found[0]} (in Python)"
+
+    return named.sub(said, message)
 
 
 def _world(parser: argparse.ArgumentParser, or_environment: bool = False) -> None:
@@ -300,15 +337,27 @@ def _unit(parser: argparse.ArgumentParser) -> None:
 def _options(parser: argparse.ArgumentParser) -> None:
     """What `OPTIONS` lists: arguments of `habilis.empowerment` by their names."""
     _unit(parser)
-    parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
+    _tolerance(parser)
     parser.add_argument(
         "--method", choices=("exact", "sampled"), default="exact", help="sampled: a lower bound"
     )
     parser.add_argument("--samples", type=int, default=1000, help="sequences (default 1000)")
     parser.add_argument("--seed", type=int, default=0, help="of the samples (default 0)")
     parser.add_argument("--threads", type=int, help="how many work side by side")
-    parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
+    _memory(parser)
     parser.add_argument("--max-seconds", type=float, default=3600.0, help="limit (default 3600)")
+
+
+def _tolerance(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
+
+
+def _memory(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
+
+
+def _most(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--max-states", type=int, metavar="N", help="how many states to accept")
 
 
 def _cell(text: str) -> Cell:

@@ -38,6 +38,11 @@ def save(path: Path, write: Callable[[Path], Any]) -> None:
         raise ValueError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
+def lower_bounds(args: "Namespace") -> str:
+    """What stands before values that are sampled."""
+    return "lower bounds on " if args.method == "sampled" else ""
+
+
 def check_outputs(args: "Namespace") -> None:
     """Refuses files and folders that could not be written, before anything is computed.
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from habilis.cli_arguments import PAIRS_HORIZON, Args, compared
-from habilis.cli_output import print_json, save
+from habilis.cli_arguments import OPTIONS, PAIRS_HORIZON, Args, compared
+from habilis.cli_output import lower_bounds, print_json, save
 from habilis.empowerment.pairs import MEASURES, Pairs, pairs
 from habilis.worlds.world import World, load_world
 
@@ -20,14 +20,14 @@ def compare_pairs(args: Args) -> int:
         PAIRS_HORIZON if args.horizon is None else args.horizon,
         _tools(world) if args.tools is None else args.tools,
         slip=args.slip,
-        unit=args.unit,
+        **{name: getattr(args, name) for name in OPTIONS},
         show_progress=sys.stderr.isatty() and not args.json,
     )
     for path in args.out:
         save(path, found.save)
     if args.json:
         return print_json(_told(found))
-    print(f"average {found.horizon}-step object empowerment, in {found.unit}")
+    print(f"{lower_bounds(args)}average {found.horizon}-step object empowerment, in {found.unit}")
     _print_table([["", *found.objects], *_matrix(found)])
     print()
     print(f"of each pair, and its average for h = 1 to {found.horizon}")

@@ -18,7 +18,7 @@ FOLDER = ()
 
 _LONGEST_NAME = 240  # bytes: what file systems allow, less what a temporary name adds
 _PARTIAL = ".partial"
-_SHOWN = 60  # characters of a path in a message
+_SHOWN = 200  # characters of a path in a message
 
 
 def suffix_of(path: str | Path, known: Iterable[str]) -> str:
@@ -37,6 +37,17 @@ def suffix_of(path: str | Path, known: Iterable[str]) -> str:
             f"{path}: unknown suffix {suffix!r}; let the name end with {', '.join(known)}"
         )
     return suffix
+
+
+def shown(name: object) -> str:
+    """A name for a message: in one line, and not longer than one reads.
+
+    Example:
+        >>> shown("room.txt"), len(shown("rooms/" * 100))
+        ('room.txt', 203)
+    """
+    text = str(name) if str(name).isprintable() else repr(str(name))
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
 def write_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
@@ -128,7 +139,7 @@ def check_file(path: str | Path, known: Iterable[str]) -> None:
             permission; says how to fix it.
     """
     suffix_of(path, known)
-    _check_path(path)
+    check_path(path)
     with writing(path):
         target = _target(path)
         there, folder = _status(target), target.parent
@@ -160,25 +171,28 @@ def check_folder(folder: str | Path) -> None:
     folder = Path(folder)
     path = folder.absolute()
     if max(len(os.fsencode(part)) for part in path.parts) > _LONGEST_NAME:
-        raise ValueError(f"{str(folder)[:_SHOWN]}...: the name is too long; give a shorter one")
-    _check_path(folder)
+        raise ValueError(f"{shown(folder)}: the name is too long; give a shorter one")
+    check_path(folder)
     existing = next(p for p in (path, *path.parents) if os.path.lexists(p))
     if not existing.is_dir():
         raise ValueError(f"{folder}: {existing} is not a folder; name another place")
     _check_room(folder, existing)
 
 
-def _check_path(path: str | Path) -> None:
-    """Refuses what no system takes for a path."""
+def check_path(path: str | Path) -> None:
+    """Refuses what no system takes for a path.
+
+    Raises:
+        ValueError: it is too long, has a character that no path has, or leads where one may not
+            look.
+    """
     try:
         os.lstat(path)
     except (FileNotFoundError, NotADirectoryError):
         pass
     except (OSError, ValueError) as error:
-        shown = str(path) if str(path).isprintable() else repr(str(path))
-        shown = shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}..."
         reason = getattr(error, "strerror", None) or error
-        raise ValueError(f"{shown}: is no path here ({reason}); name another place") from None
+        raise ValueError(f"{shown(path)}: is no path here ({reason}); name another place") from None
 
 
 def _check_room(path: str | Path, folder: Path) -> None:

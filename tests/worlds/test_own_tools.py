@@ -271,7 +271,7 @@ def test_a_map_with_a_tool_of_ones_own_is_written_as_it_was_read(folder):
 
 
 def test_a_character_is_bound_to_a_tool_above_the_map():
-    above = f"; a rake\n\nX={RAKE}\nP = broom\n; the map\n\n"
+    above = f"; a rake\n\nX={RAKE}\n; the map\n\n"
     bound = World.parse(above + ROOM.replace("R", "X"))
     assert bound == World.parse(f"R = {RAKE}\n{ROOM}")
     assert World.parse(f"R = broom\n{ROOM}") == World.parse(ROOM.replace("R", "B"))

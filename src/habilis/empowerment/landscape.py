@@ -170,12 +170,13 @@ def landscape(
     values = np.full(world.height * world.width, np.nan)
     bits = empowerment(mdp, horizon, sensor, actions, states, **options)
     values[mdp.factor("agent")[states]] = bits
+    bounds = "lower bounds on " if options.get("method") == "sampled" else ""
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
     found = Landscape(
         values=values.reshape(world.height, world.width),
         world=shown,
         unit=options.get("unit", "bits"),
-        title=f"{horizon}-step empowerment{sensed}",
+        title=f"{bounds}{horizon}-step empowerment{sensed}",
     )
     if ax is not None:
         found.draw(ax)

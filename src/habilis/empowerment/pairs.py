@@ -198,6 +198,7 @@ def pairs(
             tell(done, len(alone))
             if (key := _dynamics(pair)) not in measured:
                 measured[key] = _measured(pair, horizon, slip, options)
+    bounds = "lower bounds on " if options.get("method") == "sampled" else ""
     found = [[measured[_dynamics(alone[tool, object])] for object in columns] for tool in rows]
     values = {
         name: np.array([[getattr(one, name) for one in row] for row in found]) for name in MEASURES
@@ -208,7 +209,7 @@ def pairs(
         averages=np.array([[one.averages for one in row] for row in found]).transpose(2, 0, 1),
         **values,
         unit=options.get("unit", "bits"),
-        title=f"{world.name}: average object empowerment",
+        title=f"{world.name}: {bounds}average object empowerment",
     )
 
 

@@ -24,7 +24,7 @@ import jax
 import numpy as np
 import polars as pl
 
-from habilis.files import check_folder, is_partial, write_whole
+from habilis.files import check_folder, check_path, is_partial, write_whole
 from habilis.learning import checkpoints
 from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.jobs import Job, digest_of_own_tool
@@ -200,6 +200,7 @@ def load_run(folder: str | Path) -> Run:
             names the file.
     """
     folder = Path(folder)
+    check_path(folder)
     config, world = read_config(folder), read_world(folder)
     if checkpoints.checkpoints(folder) and not is_finished(folder):
         raise ValueError(f"{folder}: the run has not ended; go on with it by train --resume")
@@ -221,6 +222,7 @@ def load_latest(folder: str | Path) -> Run:
         ValueError: the folder holds no run, one without a checkpoint, or a damaged one.
     """
     folder = Path(folder)
+    check_path(folder)
     if folder.is_file():
         raise ValueError(f"{folder}: is a file; name the folder of a run")
     config, world = read_config(folder), read_world(folder)
