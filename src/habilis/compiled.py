@@ -15,10 +15,12 @@ def compiled(function: Function) -> Function:
     In an installation that is read-only, without a home that can be written, or on a full disk it
     is compiled in every process anew.
     """
+    made: Any
     try:
-        made: Any = njit(cache=True, nogil=True)(function)
+        made = njit(cache=True, nogil=True)(function)
     except RuntimeError:  # Numba has no place for its files
-        return njit(nogil=True)(function)
+        made = njit(nogil=True)(function)
+        return made
     if (cache := getattr(made, "_cache", None)) is not None:  # none under NUMBA_DISABLE_JIT
         cache.save_overload = _if_there_is_room(cache.save_overload)
     return made
