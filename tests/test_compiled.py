@@ -16,6 +16,7 @@ from habilis.cache import cache_folder, kept
 
 PACKAGE = Path(hb.__file__).parent
 
+MAIN = ["-m", "habilis.cli"]
 COMPUTE = """
 import habilis as hb
 from habilis.empowerment.keeping import kept_empowerment
@@ -32,12 +33,15 @@ print(*persistence(mdp, "object")[:9].round(9))
 
 def computed(environment: dict[str, str], package: Path) -> subprocess.CompletedProcess:
     """What a process that has this package and this environment computes."""
-    code = f"import sys; sys.path.insert(0, {str(package)!r})\n" + COMPUTE.format(
-        place=str(package)
-    )
+    code = COMPUTE.format(place=str(package))
+    return run(["-W", "error", "-c", code], environment | {"PYTHONPATH": str(package)})
+
+
+def run(arguments: list[str], environment: dict[str, str]) -> subprocess.CompletedProcess:
+    """A process of Python that knows of no caches but what its environment says."""
     unset = ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR", "JAX_COMPILATION_CACHE_DIR", "HOME", "PYTHONPATH")
     clean = {name: value for name, value in os.environ.items() if name not in unset}
-    command = [sys.executable, "-W", "error", "-c", code]
+    command = [sys.executable, *arguments]
     return subprocess.run(command, env=clean | environment, capture_output=True, text=True)
 
 
@@ -62,6 +66,10 @@ def test_a_read_only_installation_without_a_home_computes_everything(tmp_path, u
         done = computed({"HOME": str(disk / "home")}, disk)
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout == usual
+        command = ["train", "yard", "--runs", "1", "--steps", "1", "--out", str(tmp_path / "run")]
+        trained = run([*MAIN, *command], {"HOME": str(disk / "home"), "PYTHONPATH": str(disk)})
+        assert (trained.returncode, trained.stderr) == (0, "")
+        assert (tmp_path / "run" / "summary.json").is_file()
 
 
 def test_a_full_disk_for_what_is_compiled_is_no_error(tmp_path, usual):
