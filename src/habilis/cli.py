@@ -287,8 +287,7 @@ def futures(args: Args) -> int:
     else:
         mdp = habilis.tabulate(world, args.slip)
     cells = [name for name in mdp.factors if mdp.is_cell(name)]
-    drawable = args.sensor != "state" and mdp.factor_named(args.sensor, "sensor") in cells
-    if args.out is not None and not drawable:
+    if args.out and (args.sensor == "state" or mdp.factor_named(args.sensor) not in cells):
         raise ValueError(
             f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
         )

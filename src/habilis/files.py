@@ -77,16 +77,16 @@ def write_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
         raise PermissionError(13, "the file there is read-only", str(target))
     # Under a name of its own: other processes may write the same file.
     temporary = target.with_name(f".{_cut(target.name)}.{token_hex(4)}{_PARTIAL}")
-    with temporary.open("xb") as file:
-        try:
+    try:
+        with temporary.open("xb") as file:
             write(file)
             file.flush()
             _keep_permissions(earlier, temporary)
             os.fsync(file.fileno())
-            temporary.replace(target)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
+        temporary.replace(target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
     with suppress(OSError):  # not every system can; the file is there, and whole
         _sync_folder(target.parent)
 

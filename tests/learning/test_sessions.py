@@ -300,7 +300,7 @@ def test_what_is_not_finite_is_one_line_and_leaves_the_last_good_checkpoint(room
     assert done.returncode == 2
     found = re.fullmatch(
         r"habilis: room.txt: the loss of run (\d) is not finite at step ([\d,]+); lower "
-        r"learning_rate or reward_scale; the last good checkpoint is (.+)\n",
+        r"--learning-rate or --reward-scale; the last good checkpoint is (.+)\n",
         done.stderr,
     )
     assert found, done.stderr
