@@ -130,6 +130,10 @@ def test_labels_count_by_which_are_equal(labels: Any):
     assert hb.empowerment(RING, 1, labels).tolist() == wanted
 
 
+def _as(kind: Any, values: np.ndarray) -> Any:
+    return values.astype(kind)
+
+
 @pytest.mark.parametrize("kind", ["m8[s]", "M8[s]", complex, object, str])
 def test_what_is_no_number_is_no_table_and_no_channel(kind: Any):
     for what in (
@@ -137,7 +141,7 @@ def test_what_is_no_number_is_no_table_and_no_channel(kind: Any):
         lambda: hb.TabularMDP.stochastic(P.astype(kind)),
         lambda: hb.TabularMDP.deterministic(RING.next_state, np.zeros((4, 2)).astype(kind)),
         lambda: hb.capacity(np.eye(3).astype(kind)),
-        lambda: hb.empowerment(RING, 1, "state", list(np.arange(2).astype(kind))),
+        lambda: hb.empowerment(RING, 1, "state", _as(kind, np.arange(2))),
         lambda: hb.empowerment(RING, 1, states=np.arange(2).astype(kind)),
     ):
         with pytest.raises(ValueError, match=r"type|not finite"):
