@@ -3,7 +3,6 @@
 import hashlib
 import io
 import os
-import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -11,13 +10,23 @@ from typing import Any
 
 import numpy as np
 
+from habilis.files import write_whole
+
 _DIGEST = hashlib.sha256
 
 
-def cache_folder() -> Path:
-    """Where things are kept: `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`."""
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "habilis"
+def cache_folder() -> Path | None:
+    """Where things are kept: `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`.
+
+    Returns:
+        The folder; `None` for a user who has no home.
+    """
+    if named := os.environ.get("XDG_CACHE_HOME"):
+        return Path(named) / "habilis"
+    try:
+        return Path.home() / ".cache" / "habilis"
+    except RuntimeError:
+        return None
 
 
 def fingerprint(*parts: Any) -> str:
@@ -57,7 +66,10 @@ def kept(
         folder: where they are kept; by default `cache_folder()`.
         accept: whether those from the disk may be used.
     """
-    path = (cache_folder() if folder is None else folder) / f"{name}.npz"
+    folder = cache_folder() if folder is None else folder
+    if folder is None:
+        return compute()
+    path = folder / f"{name}.npz"
     with suppress(OSError, ValueError, EOFError):
         found = _read(path)
         if accept(found):
@@ -73,14 +85,7 @@ def _write(arrays: Arrays, path: Path) -> None:
     np.savez(content, allow_pickle=False, **arrays)
     content.write(_DIGEST(content.getbuffer()).digest())
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Under a name of its own: other processes may be at the same values.
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content.getbuffer())
-        Path(temporary).replace(path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
+    write_whole(path, lambda file: file.write(content.getbuffer()))
 
 
 def _read(path: Path) -> Arrays:

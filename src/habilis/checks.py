@@ -70,16 +70,27 @@ def widths(value: Any) -> tuple[int, ...]:
     return tuple(value)
 
 
+def _plain(value: Any) -> str:
+    """What to do with a number of NumPy's."""
+    return ", as .item() has it" if hasattr(value, "item") else ""
+
+
 def _check_type(name: str, value: Any, wanted: type) -> None:
     if wanted is bool and not isinstance(value, bool):
         raise ValueError(f"{name} is {value!r}; give true or false")
     if wanted is int and (isinstance(value, bool) or not isinstance(value, int)):
-        raise ValueError(f"{name} is {value!r}; give a whole number")
+        raise ValueError(f"{name} is {value!r}; give a whole number{_plain(value)}")
     if wanted is int and name != "seed" and not abs(value) <= _MOST:
         raise ValueError(f"{name} is {value}; give at most {_MOST:,}")
     if wanted is float:
         number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or not abs(value) <= _LARGEST:
-            raise ValueError(f"{name} is {value!r}; give a finite number")
+        if not number or not abs(value) < float("inf"):
+            raise ValueError(f"{name} is {value!r}; give a finite number{_plain(value)}")
+        if abs(value) > _LARGEST:
+            size = f"{value:.3g}" if isinstance(value, float) else "too large"
+            raise ValueError(
+                f"{name} is {size}; give one from {-_LARGEST:g} to {_LARGEST:g}, for learning "
+                "is in float32"
+            )
     if wanted is str and not isinstance(value, str):
-        raise ValueError(f"{name} is {value!r}; give a text")
+        raise ValueError(f"{name} is {value!r:.60}; give a text")

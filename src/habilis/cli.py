@@ -3,14 +3,14 @@
 import os
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import habilis
-from habilis.cli_arguments import COMPARED, OPTIONS, PREFIX, Args, Verb, parser
+from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, compared, in_flags, parser
 from habilis.cli_learning import plot, study, sweep, train, watch
-from habilis.cli_output import console, print_json, refuse, save
+from habilis.cli_output import check_outputs, console, lower_bounds, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
 from habilis.worlds.map_writing import header_of
 from habilis.worlds.moving import Where, elsewhere
@@ -18,6 +18,9 @@ from habilis.worlds.placements import start_of
 from habilis.worlds.plans import check_certain
 from habilis.worlds.reach import MAX_STATES, reachable
 from habilis.worlds.world import NO_TOOL, Cell, World, load_world, world_names
+
+if TYPE_CHECKING:
+    from habilis.empowerment.usefulness import Usefulness
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -27,9 +30,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit status: 0 done, 1 the answer is "no" (a goal out of reach, a claim that does
         not hold), 2 bad input.
     """
+    flags: dict[str, str] = {}
     try:
         args = parser(_VERBS).parse_args(arguments)
+        flags = args.flags
         args.command = list(sys.argv[1:] if arguments is None else arguments)
+        check_outputs(args)
         status = args.verb(args)
         sys.stdout.flush()
         return status
@@ -38,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (ValueError, MissingExtraError, FloatingPointError) as error:
-        return refuse(str(error))
+        return refuse(in_flags(str(error), flags))
     except (OSError, OverflowError) as error:
         return refuse(f"{error}; check the place and the numbers given")
     except MemoryError:
@@ -82,7 +88,7 @@ def worlds(args: Args) -> int:
 
 def solve(args: Args) -> int:
     world = check_certain(load_world(args.world, args.tool))
-    mdp = habilis.tabulate(world, show_progress=_shows_progress(args))
+    mdp = habilis.tabulate(world, max_states=_most(args), show_progress=_shows_progress(args))
     plan = habilis.solve(mdp)
     if args.json:
         print_json(
@@ -102,12 +108,12 @@ def empowerment(args: Args) -> int:
     from habilis.empowerment.tables import save_table, to_dataframe
 
     mdp = _table(args)
-    options: Any = {name: getattr(args, name) for name in OPTIONS}
     values, gap = habilis.empowerment(
-        mdp, args.horizon, args.sensor, _actions(args.actions), return_gap=True, **options
+        mdp, args.horizon, args.sensor, _actions(args.actions), return_gap=True, **_options(args)
     )
     if args.out is not None:
-        columns = {args.unit: values} | ({"gap": gap} if gap.any() else {})
+        with_gap = gap.any() and args.out.suffix.lower() != ".npy"  # one column of values
+        columns = {args.unit: values} | ({"gap": gap} if with_gap else {})
         save_table(to_dataframe(mdp, columns), args.out)
     summary = {
         "states": len(values),
@@ -121,9 +127,9 @@ def empowerment(args: Args) -> int:
     if args.json:
         kind = {"unit": args.unit, "method": args.method}
         return print_json(summary | kind | {"out": args.out and str(args.out)})
-    kind = "lower bounds on " if args.method == "sampled" else ""
     print(
-        f"{kind}{args.horizon}-step empowerment through the sensor {args.sensor!r}, in {args.unit}"
+        f"{lower_bounds(args)}{args.horizon}-step empowerment through the sensor {args.sensor!r}, "
+        f"in {args.unit}"
     )
     for name, value in summary.items():
         style = {"states": ",", "gap": ".2g"}.get(name, ".4f")
@@ -137,15 +143,23 @@ def _table(args: Args) -> habilis.TabularMDP:
     """The table of a world or, as `gym:ID`, of a Gymnasium environment."""
     if not args.world.startswith(PREFIX):
         world = load_world(args.world, args.tool)
-        limit = MAX_STATES if args.max_states is None else args.max_states
         show = _shows_progress(args)
-        return habilis.tabulate(world, args.slip, max_states=limit, show_progress=show)
+        return habilis.tabulate(world, args.slip, max_states=_most(args), show_progress=show)
     if args.tool is not None:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
     from habilis.gymnasium_tables import table_named
 
     mdp = table_named(args.world.removeprefix(PREFIX), args.max_states, _shows_progress(args))
     return mdp.slippery(args.slip) if args.slip else mdp
+
+
+def _most(args: Args) -> int:
+    return MAX_STATES if args.max_states is None else args.max_states
+
+
+def _options(args: Args) -> Any:
+    """What the verb takes of the arguments of `habilis.empowerment`."""
+    return {name: getattr(args, name) for name in OPTIONS if name in args}
 
 
 def _shows_progress(args: Args) -> bool:
@@ -164,7 +178,7 @@ def landscape(args: Args) -> int:
         slip=args.slip,
         tool=_where(world, "tool", args.tool_at),
         object=_where(world, "object", args.object_at),
-        unit=args.unit,
+        **_options(args),
     )
     if args.out is not None:
         save(args.out, found.save)
@@ -198,7 +212,7 @@ def _where(world: World, kind: str, places: list[tuple[str, Cell]] | None) -> Wh
 
 def compare(args: Args) -> int:
     from habilis.empowerment.measures import compare as measure
-    from habilis.empowerment.measures import ranking
+    from habilis.empowerment.measures import ranking, with_each_tool
     from habilis.empowerment.usefulness import usefulness
 
     if args.pairs:
@@ -213,11 +227,11 @@ def compare(args: Args) -> int:
     if len(world.objects) > 1:
         named = ", ".join(thing.name for thing in world.objects)
         raise ValueError(f"{world.name} has several objects, {named}; add --pairs for each of them")
-    tools = COMPARED if args.tools is None else args.tools
-    averages = measure(world, tools, args.horizon, args.slip, unit=args.unit)
+    tools = compared(world) if args.tools is None else args.tools
+    averages = measure(world, tools, args.horizon, args.slip, **_options(args))
     verdicts = {
-        tool: usefulness(world.with_tool(tool), args.horizon, args.slip, unit=args.unit)
-        for tool in averages
+        tool: usefulness(armed, args.horizon, args.slip, **_options(args))
+        for tool, armed in with_each_tool(world, tools).items()
         if tool != NO_TOOL
     }
     if args.json:
@@ -225,26 +239,36 @@ def compare(args: Args) -> int:
             tool: {
                 "useful": verdict.useful_on_average,
                 "better_than_none": verdict.better_than_none_on_average,
+                "encumbers": verdict.encumbers_on_average,
                 "useful_share": float(verdict.useful.mean()),
                 "better_than_none_share": float(verdict.better_than_none.mean()),
+                "encumbers_share": float(verdict.encumbers.mean()),
             }
             for tool, verdict in verdicts.items()
         }
         return print_json(
             {"averages": averages, "horizon": args.horizon, "unit": args.unit, "tools": judged}
         )
-    print(f"average {args.horizon}-step object empowerment, in {args.unit}")
+    print(f"{lower_bounds(args)}average {args.horizon}-step object empowerment, in {args.unit}")
     width = max(10, *map(len, averages))
     for tool in ranking(averages):
         line = f"{tool:>{width}}  {averages[tool]:.4f}"
         if tool in verdicts:
-            verdict = verdicts[tool]
-            better = verdict.better_than_none_on_average
-            line += f"  {'better than none' if better else 'encumbers the agent'}"
-            line += f" (in {verdict.better_than_none.mean():.0%} of placements;"
-            line += f" useful in {verdict.useful.mean():.0%})"
+            line += f"  {_verdict(verdicts[tool], args.tolerance)}"
         print(line)
     return 0
+
+
+def _verdict(tool: "Usefulness", tolerance: float) -> str:
+    useful = f"useful in {tool.useful.mean():.0%}"
+    better, worse = tool.better_than_none.mean(), tool.encumbers.mean()
+    if tool.better_than_none_on_average:
+        return f"better than none (in {better:.0%} of placements; {useful})"
+    if tool.encumbers_on_average:
+        return f"encumbers the agent (in {worse:.0%} of placements; {useful})"
+    known = max(tool.gap_with_tool, tool.gap_without) <= tolerance
+    what = "equal to none" if known else "perhaps better or worse than none"
+    return f"{what} (better in {better:.0%} of placements, worse in {worse:.0%}; {useful})"
 
 
 def futures(args: Args) -> int:
@@ -262,17 +286,17 @@ def futures(args: Args) -> int:
         mdp = reachable(world, start_of(world), max(args.horizon, 0))[0].slippery(args.slip)
     else:
         mdp = habilis.tabulate(world, args.slip)
+    cells = [name for name in mdp.factors if mdp.is_cell(name)]
+    if args.out and (args.sensor == "state" or mdp.factor_named(args.sensor) not in cells):
+        raise ValueError(
+            f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
+        )
     found = measure(
-        mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), unit=args.unit
+        mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), **_options(args)
     )
     if args.out is not None:
         from habilis.worlds.pictures import save_figure
 
-        cells = [name for name in mdp.factors if mdp.is_cell(name)]
-        if args.sensor == "state" or mdp.factor_named(args.sensor) not in cells:
-            raise ValueError(
-                f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
-            )
         figure = futures_figure(world, mdp, found, args.sensor)
         save(args.out, lambda path: save_figure(figure, path))
     if args.json:

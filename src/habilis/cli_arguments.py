@@ -1,26 +1,35 @@
 """What each verb of the command line takes."""
 
 import argparse
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
 import habilis
-from habilis.worlds.world import NO_TOOL, Cell
+from habilis.files import FILMS, FOLDER, PICTURES, TABLES
+from habilis.worlds.world import ENVIRONMENT, NO_TOOL, Cell, World
 
 Args = argparse.Namespace
 Verb = Callable[[Args], int]
 
-PREFIX = "gym:"
+PREFIX = ENVIRONMENT
 OPTIONS = (
     *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
 )
 COMPARED = ("picker", "broom", NO_TOOL)
-"""The tools that are compared where nobody says which."""
+"""The tools that are compared, after those of the map, where nobody says which."""
 PAIRS_HORIZON = 6
+_PYTHON_ONLY = ("max_states", "key", "state", "ignore", "factors", "starts", "states")
+"""Arguments that errors of the library name, besides those that are options of the verbs."""
 
 _TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
+
+
+def compared(world: World) -> list[str]:
+    """The map's own tools, as it has them, and those that come with the package, each once."""
+    return [*dict.fromkeys([*(tool.name for tool in world.tools), *COMPARED])]
 
 
 class _Parser(argparse.ArgumentParser):
@@ -55,9 +64,11 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("name", nargs="?", metavar="NAME", help="a built-in world or a map file")
     _tool(v)
     v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+    v.set_defaults(writes={"out": PICTURES})
 
     v = verb("solve", "find a shortest plan", "habilis solve corridor --tool none")
     _world(v)
+    _most(v)
 
     v = verb(
         "empowerment",
@@ -67,10 +78,11 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _world(v, or_environment=True)
     _measure(v)
     _options(v)
-    v.add_argument("--max-states", type=int, metavar="N", help="how many states to accept")
+    _most(v)
     v.add_argument(
         "--out", type=Path, metavar="F.csv", help="all values (.csv, .parquet, .npz, .npy)"
     )
+    v.set_defaults(writes={"out": TABLES})
 
     v = verb(
         "landscape",
@@ -79,10 +91,11 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     _world(v)
     _measure(v)
-    _unit(v)
+    _options(v)
     _places(v)
     kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     v.add_argument("--out", type=Path, metavar="F.png", help=kinds)
+    v.set_defaults(writes={"out": (*PICTURES, *TABLES)})
 
     v = verb(
         "futures",
@@ -92,9 +105,12 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _world(v)
     _measure(v)
     _unit(v)
+    _tolerance(v)
+    _memory(v)
     v.add_argument("--agent-at", type=_cell, metavar="ROW,COLUMN", help="another for the agent")
     _places(v)
     v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+    v.set_defaults(writes={"out": PICTURES})
 
     v = verb(
         "compare",
@@ -102,7 +118,8 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
         "habilis compare yard --tools picker,broom,none --horizon 3",
     )
     v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
-    text = f"each {_TOOLS} (default {','.join(COMPARED)})"
+    text = f"each {_TOOLS}, or one of the map's (default: those of the map, then"
+    text += f" {','.join(COMPARED)})"
     v.add_argument("--tools", type=_words, metavar="A,B,...", help=text)
     text = f"number of actions (with --pairs up to so many, by default {PAIRS_HORIZON})"
     v.add_argument("--horizon", type=int, metavar="H", help=text)
@@ -113,8 +130,9 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     kinds = "of --pairs: picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     text = f"{kinds}; again for another"
     v.add_argument("--out", type=Path, action="append", default=[], metavar="F.png", help=text)
+    v.set_defaults(writes={"out": (*PICTURES, *TABLES)})
     _slip(v)
-    _unit(v)
+    _options(v)
 
     v = verb(
         "train",
@@ -129,6 +147,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
     seconds = "time between checkpoints (default 10)"
     v.add_argument("--checkpoint-seconds", type=float, default=10.0, metavar="S", help=seconds)
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "watch", "replay what an agent learned", "habilis watch runs/toe --run 2 --gif toe.gif"
@@ -139,6 +158,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--seed", type=int, default=0, help=seed)
     v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
     v.add_argument("--mp4", type=Path, metavar="F.mp4", help="or as a video (extra [video])")
+    v.set_defaults(writes={"gif": FILMS[:1], "mp4": FILMS[1:]})
     v.add_argument("--speed", type=_positive, default=4.0, help="steps a second (default 4)")
 
     v = verb(
@@ -153,6 +173,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
         metavar="F.png",
         help="picture (.png, .svg, .pdf; default curves.png, or none with --json)",
     )
+    v.set_defaults(writes={"out": PICTURES})
     v.add_argument("--x", choices=("episodes", "steps"), default="episodes", help="to the right")
     v.add_argument(
         "--value",
@@ -180,6 +201,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--ray", metavar="ADDRESS", help=ray)
     text = "train in so many processes, or as many as there is memory for (default: in this one)"
     v.add_argument("--processes", type=int, metavar="N", help=text)
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "reproduce",
@@ -188,6 +210,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
     v.add_argument("--quick", action="store_true", help="few runs and episodes, in 3 minutes")
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "study",
@@ -199,6 +222,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
     v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
     v.add_argument("--quick", action="store_true", help="so little that it says nothing: a trial")
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "reconstruct",
@@ -216,6 +240,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--hot", type=float, default=1.0, metavar="T", help="temperature to begin at")
     begin = "begin each attempt with this map (default: at random)"
     v.add_argument("--from", dest="begin", metavar="WORLD", help=begin)
+    v.set_defaults(writes={"out": FOLDER})
 
     v = verb(
         "studio",
@@ -232,11 +257,43 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--tool", action="append", default=[], dest="tools", metavar="TOOL", help=own)
     kept = "keep what is trained from the page there (default: until the studio ends)"
     v.add_argument("--out", type=Path, metavar="DIR", help=kept)
+    v.set_defaults(writes={"out": FOLDER})
     v.add_argument("--no-browser", action="store_true", help="only print the address")
 
     v = verb("bench", "measure our speed beside the alternatives", "habilis bench empowerment")
     v.add_argument("what", nargs="*", metavar="WHAT", help="which benchmarks (default all)")
+    for added in verbs.choices.values():
+        flags = {a.dest: a.option_strings[0] for a in added._actions if a.option_strings}
+        added.set_defaults(flags=flags)
     return whole
+
+
+def in_flags(message: str, flags: Mapping[str, str]) -> str:
+    """An error of the library as the command line says it: arguments by their options.
+
+    Args:
+        message: names arguments as Python has them, as in `raise max_gib` and `unit='nats'`.
+        flags: the options of the verb, by the names of their arguments.
+
+    Example:
+        >>> in_flags("slip is 2; give slip=0.1 or raise max_gib", {"slip": "--slip"})
+        '--slip is 2; give --slip 0.1 or raise max_gib (in Python)'
+    """
+    names = sorted({*flags, *OPTIONS, *_PYTHON_ONLY}, key=len, reverse=True)
+    every, long = "|".join(names), "|".join(name for name in names if "_" in name)
+    named = re.compile(
+        rf"(?<![\w./-])(?P<given>{every})=(?P<value>'[^']*'|[\w.]+)?"
+        rf"|(?<![\w./'-])(?P<long>{long})(?![\w./'=])"
+        rf"|(?:^|(?<=: )|(?<=, )|(?<=and )|(?<=but ))(?P<subject>{every})(?= (?:is|has|have) )"
+    )
+
+    def said(found: re.Match[str]) -> str:
+        name = found["given"] or found["long"] or found["subject"]
+        if name in flags:
+            return f"{flags[name]} {(found['value'] or '').strip(chr(39))}".rstrip()
+        return found[0] if found["subject"] else f"{found[0]} (in Python)"
+
+    return named.sub(said, message)
 
 
 def _world(parser: argparse.ArgumentParser, or_environment: bool = False) -> None:
@@ -280,15 +337,27 @@ def _unit(parser: argparse.ArgumentParser) -> None:
 def _options(parser: argparse.ArgumentParser) -> None:
     """What `OPTIONS` lists: arguments of `habilis.empowerment` by their names."""
     _unit(parser)
-    parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
+    _tolerance(parser)
     parser.add_argument(
         "--method", choices=("exact", "sampled"), default="exact", help="sampled: a lower bound"
     )
     parser.add_argument("--samples", type=int, default=1000, help="sequences (default 1000)")
     parser.add_argument("--seed", type=int, default=0, help="of the samples (default 0)")
     parser.add_argument("--threads", type=int, help="how many work side by side")
-    parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
+    _memory(parser)
     parser.add_argument("--max-seconds", type=float, default=3600.0, help="limit (default 3600)")
+
+
+def _tolerance(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
+
+
+def _memory(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
+
+
+def _most(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--max-states", type=int, metavar="N", help="how many states to accept")
 
 
 def _cell(text: str) -> Cell:

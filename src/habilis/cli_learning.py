@@ -9,6 +9,7 @@ import numpy as np
 from habilis.cli_arguments import Args
 from habilis.cli_output import console, print_json, refuse, save
 from habilis.extras import import_from
+from habilis.files import PICTURES, check_file
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -52,10 +53,12 @@ def train(args: Args) -> int:
 
 
 def watch(args: Args) -> int:
-    from habilis.worlds.films import save_gif, save_mp4
+    from habilis.worlds.films import check_video, save_gif, save_mp4
     from habilis.worlds.pictures import colored_text
     from habilis.worlds.table import placement
 
+    if args.mp4:
+        check_video()
     folder = import_from("habilis.learning.folder", "learn")
     replay = import_from("habilis.learning.replay", "learn")
     ended = folder.is_finished(args.folder)
@@ -107,15 +110,16 @@ def plot(args: Args) -> int:
     for place in args.folders:
         if args.folders.count(place) > 1:
             raise ValueError(f"{place}: is named twice; name each folder once")
+    out = args.out
+    if out is None and not args.json:
+        out = picture.DEFAULT
+        check_file(out, PICTURES)
     runs = [folder.load_latest(place) for place in args.folders]
     labels = picture.labels([run.config for run in runs], [str(place) for place in args.folders])
     drawn = {
         label: curves.learning_curve(run, args.value, args.x, args.statistic)
         for label, run in zip(labels, runs, strict=True)
     }
-    out = args.out
-    if out is None and not args.json:
-        out = picture.DEFAULT
     if out is not None:
         best = [run.best_return for run in runs] if args.value == "return" else []
         figure = picture.curves_figure(drawn, best)

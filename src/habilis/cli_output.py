@@ -6,7 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from habilis.files import check_file, check_folder
+
 if TYPE_CHECKING:
+    from argparse import Namespace
+
     from rich.console import Console
 
 
@@ -32,6 +36,27 @@ def save(path: Path, write: Callable[[Path], Any]) -> None:
         write(path)
     except OSError as error:
         raise ValueError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+def lower_bounds(args: "Namespace") -> str:
+    """What stands before values that are sampled."""
+    return "lower bounds on " if args.method == "sampled" else ""
+
+
+def check_outputs(args: "Namespace") -> None:
+    """Refuses files and folders that could not be written, before anything is computed.
+
+    Args:
+        args: `args.writes` has, by argument, the suffixes that its files may have, or `FOLDER`.
+
+    Raises:
+        ValueError: one of them cannot be written; nothing is left behind.
+    """
+    for name, suffixes in getattr(args, "writes", {}).items():
+        value = getattr(args, name)
+        for path in value if isinstance(value, list) else [value]:
+            if path is not None:
+                check_file(path, suffixes) if suffixes else check_folder(path)
 
 
 def console() -> "Console":

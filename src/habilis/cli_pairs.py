@@ -6,32 +6,28 @@ from typing import Any
 
 import numpy as np
 
-from habilis.cli_arguments import COMPARED, PAIRS_HORIZON, Args
-from habilis.cli_output import print_json, save
-from habilis.empowerment.pairs import MEASURES, Pairs, check_suffix, pairs
+from habilis.cli_arguments import OPTIONS, PAIRS_HORIZON, Args, compared
+from habilis.cli_output import lower_bounds, print_json, save
+from habilis.empowerment.pairs import MEASURES, Pairs, pairs
 from habilis.worlds.world import World, load_world
 
 
 def compare_pairs(args: Args) -> int:
     """Prints the matrix, a line for each pair, and writes pictures and tables."""
-    for path in args.out:
-        check_suffix(path)
-        if not path.absolute().parent.is_dir():
-            raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
     world = load_world(args.world)
     found = pairs(
         world,
         PAIRS_HORIZON if args.horizon is None else args.horizon,
         _tools(world) if args.tools is None else args.tools,
         slip=args.slip,
-        unit=args.unit,
+        **{name: getattr(args, name) for name in OPTIONS},
         show_progress=sys.stderr.isatty() and not args.json,
     )
     for path in args.out:
         save(path, found.save)
     if args.json:
         return print_json(_told(found))
-    print(f"average {found.horizon}-step object empowerment, in {found.unit}")
+    print(f"{lower_bounds(args)}average {found.horizon}-step object empowerment, in {found.unit}")
     _print_table([["", *found.objects], *_matrix(found)])
     print()
     print(f"of each pair, and its average for h = 1 to {found.horizon}")
@@ -47,7 +43,7 @@ def _tools(world: World) -> Sequence[str] | None:
     """Of a map with one tool also those that are compared without --pairs."""
     if len(world.tools) != 1:
         return None
-    return [*dict.fromkeys([world.tools[0].name, *COMPARED])]
+    return compared(world)
 
 
 def _matrix(found: Pairs) -> Iterable[list[str]]:

@@ -1,7 +1,24 @@
-"""What a file is to hold, by the end of its name."""
+"""Files that are written whole or not at all, and places that are checked before any work."""
 
-from collections.abc import Iterable
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from secrets import token_hex
+from typing import BinaryIO
+
+PICTURES = (".png", ".svg", ".pdf")
+TABLES = (".csv", ".parquet", ".npz", ".npy")
+FILMS = (".gif", ".mp4")
+FOLDER = ()
+"""In place of suffixes: a folder is written."""
+
+_LONGEST_NAME = 240  # bytes: what file systems allow, less what a temporary name adds
+_PARTIAL = ".partial"
+_SHOWN = 200  # characters of a path in a message
 
 
 def suffix_of(path: str | Path, known: Iterable[str]) -> str:
@@ -20,3 +37,206 @@ def suffix_of(path: str | Path, known: Iterable[str]) -> str:
             f"{path}: unknown suffix {suffix!r}; let the name end with {', '.join(known)}"
         )
     return suffix
+
+
+def shown(name: object) -> str:
+    """A name for a message: in one line, and not longer than one reads.
+
+    Example:
+        >>> shown("room.txt"), len(shown("rooms/" * 100))
+        ('room.txt', 203)
+    """
+    text = str(name) if str(name).isprintable() else repr(str(name))
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+
+
+def write_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
+    """Writes a file whole or not at all: beside its place first, onto the disk, then renamed.
+
+    Until everything is on the disk, an earlier file is as it was; it keeps its permissions. A
+    symbolic link stays one, and its target is replaced. What is no regular file (a pipe, a
+    terminal) cannot be renamed to: it gets everything at once, after `write` has succeeded.
+
+    Args:
+        path: where the file goes.
+        write: what fills an open binary file.
+
+    Raises:
+        OSError: the file cannot be written; an earlier one is untouched and nothing is left behind.
+    """
+    target = _target(path)
+    earlier = _status(target)
+    if earlier is not None and not stat.S_ISREG(earlier.st_mode):
+        with tempfile.SpooledTemporaryFile(max_size=2**26) as content:
+            write(content)  # pyright: ignore[reportArgumentType]  # a binary file in all but type
+            content.seek(0)
+            with target.open("wb") as file:
+                shutil.copyfileobj(content, file)
+        return
+    if earlier is not None and not os.access(target, os.W_OK):
+        raise PermissionError(13, "the file there is read-only", str(target))
+    # Under a name of its own: other processes may write the same file.
+    temporary = target.with_name(f".{_cut(target.name)}.{token_hex(4)}{_PARTIAL}")
+    try:
+        with temporary.open("xb") as file:
+            write(file)
+            file.flush()
+            _keep_permissions(earlier, temporary)
+            os.fsync(file.fileno())
+        temporary.replace(target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    with suppress(OSError):  # not every system can; the file is there, and whole
+        _sync_folder(target.parent)
+
+
+def save_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
+    """`write_whole` for those who name the file.
+
+    Raises:
+        ValueError: the file cannot be written; says why.
+    """
+    with writing(path):
+        write_whole(path, write)
+
+
+@contextmanager
+def writing(path: str | Path) -> Iterator[None]:
+    """Turns what goes wrong with a file into one line.
+
+    Raises:
+        ValueError: an OSError came; the message has the path and the reason.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+def is_partial(name: str, of: str) -> bool:
+    """Whether a name is what a file is called while it is written."""
+    return name.startswith(f".{_cut(of)}.") and name.endswith(_PARTIAL)
+
+
+def remove_partial(folder: Path) -> None:
+    """Removes what killed processes left half written in a folder that nobody else writes in."""
+    for path in folder.rglob(f".*{_PARTIAL}"):
+        path.unlink(missing_ok=True)
+
+
+def check_file(path: str | Path, known: Iterable[str]) -> None:
+    """Refuses a file that could not be written, before what is to be in it is computed.
+
+    Leaves nothing behind.
+
+    Args:
+        path: where it is to go.
+        known: the suffixes that its name may have.
+
+    Raises:
+        ValueError: another suffix, no such folder, something else in the file's place, or no
+            permission; says how to fix it.
+    """
+    suffix_of(path, known)
+    check_path(path)
+    with writing(path):
+        target = _target(path)
+        there, folder = _status(target), target.parent
+        if there is not None and stat.S_ISDIR(there.st_mode):
+            raise ValueError(f"{path}: cannot be written (it is a folder); name a file in it")
+        if not folder.exists():
+            missing = folder if Path(path).is_symlink() else Path(path).parent
+            raise ValueError(
+                f"{path}: cannot be written (there is no folder {missing}); make it first"
+            )
+        if not folder.is_dir():
+            raise ValueError(
+                f"{path}: cannot be written ({folder} is not a folder); name another place"
+            )
+        if there is not None and not os.access(target, os.W_OK):
+            raise ValueError(f"{path}: cannot be written (it is read-only); name another file")
+        if there is None or stat.S_ISREG(there.st_mode):
+            _check_room(path, folder)
+
+
+def check_folder(folder: str | Path) -> None:
+    """Refuses a folder that cannot be made or written, before any work is done.
+
+    Leaves nothing behind; a folder that is not there yet is not made.
+
+    Raises:
+        ValueError: what exists of its path is no folder, or cannot be written to.
+    """
+    folder = Path(folder)
+    path = folder.absolute()
+    if max(len(os.fsencode(part)) for part in path.parts) > _LONGEST_NAME:
+        raise ValueError(f"{shown(folder)}: the name is too long; give a shorter one")
+    check_path(folder)
+    existing = next(p for p in (path, *path.parents) if os.path.lexists(p))
+    if not existing.is_dir():
+        raise ValueError(f"{folder}: {existing} is not a folder; name another place")
+    _check_room(folder, existing)
+
+
+def check_path(path: str | Path) -> None:
+    """Refuses what no system takes for a path.
+
+    Raises:
+        ValueError: it is too long, has a character that no path has, or leads where one may not
+            look.
+    """
+    try:
+        os.lstat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise ValueError(f"{shown(path)}: is no path here ({reason}); name another place") from None
+
+
+def _check_room(path: str | Path, folder: Path) -> None:
+    """Makes a file without a name: permissions alone do not say what a file system allows."""
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise ValueError(
+            f"{path}: {folder} cannot be written to ({error.strerror or error}); name another place"
+        ) from None
+
+
+def _target(path: str | Path) -> Path:
+    """The file itself, where a symbolic link is named."""
+    return Path(os.path.realpath(path))
+
+
+def _status(path: Path) -> os.stat_result | None:
+    """What is at a path, if anything is."""
+    try:
+        return path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+
+
+def _keep_permissions(earlier: os.stat_result | None, path: Path) -> None:
+    """Gives a file the owner and the permissions of the earlier one in its place."""
+    if earlier is None:
+        return
+    if hasattr(os, "chown"):
+        with suppress(OSError):  # only root may give files away
+            os.chown(path, earlier.st_uid, earlier.st_gid)
+    path.chmod(stat.S_IMODE(earlier.st_mode))
+
+
+def _cut(name: str) -> str:
+    """As much of a name as leaves room for what a temporary name adds."""
+    return os.fsencode(name)[: _LONGEST_NAME - 16].decode(errors="ignore")
+
+
+def _sync_folder(folder: Path) -> None:
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

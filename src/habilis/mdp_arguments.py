@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int, Int32
 from numpy.typing import ArrayLike
 
-from habilis.probabilities import as_array, is_sparse, row_stochastic, shape_of
+from habilis.probabilities import as_array, as_flags, is_sparse, row_stochastic, shape_of
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -152,7 +152,7 @@ def rewards_and_ends(
     shape = available.shape
     states = shape[0]
     reward = np.zeros(shape) if reward is None else as_array("reward", reward)
-    terminal = np.zeros(states, bool) if terminal is None else as_array("terminal", terminal)
+    terminal = np.zeros(states, bool) if terminal is None else as_flags("terminal", terminal)
     if reward.shape != shape:
         raise ValueError(f"reward has shape {reward.shape}; give {shape}, [states, actions]")
     if reward.dtype.kind in "biuf" and not available.all():

@@ -17,12 +17,44 @@ def as_array(name: str, values: ArrayLike) -> np.ndarray:
     """`values` as an array.
 
     Raises:
-        ValueError: they are lists of different lengths.
+        ValueError: they are lists of different lengths, no array can be made of them, entries are
+            masked (a plain array would have what the mask hides), or they are times.
     """
+    if _is_masked(values):
+        raise ValueError(
+            f"{name} has masked entries, which say nothing; give them a value, as with .filled(0)"
+        )
     try:
-        return np.asarray(values)
+        array = np.asarray(values)
     except ValueError:
         raise ValueError(f"{name} is ragged; give rows of one length") from None
+    except (TypeError, RuntimeError) as error:  # of tensors on a device, or with a gradient
+        raise ValueError(f"{name} is no array ({error}); give a NumPy array of it") from None
+    if array.dtype.kind == "m":  # which NumPy takes for integers
+        raise ValueError(f"{name} has type {array.dtype}; give numbers, as .astype(int) has them")
+    return array
+
+
+def as_flags(name: str, values: ArrayLike) -> np.ndarray:
+    """`values` as an array of bool; 0 and 1 stand for them.
+
+    Raises:
+        ValueError: as in `as_array`, or an entry is something else, which might be an index.
+    """
+    array = as_array(name, values)
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"{name} has type {array.dtype}; give true or false for each state")
+    other = array[(array != 0) & (array != 1)]
+    if len(other):
+        raise ValueError(f"{name} has {other[0]}; give true or false for each state")
+    return array.astype(bool)
+
+
+def _is_masked(values: Any) -> bool:
+    """Whether there is a masked entry in an array, or in lists of them."""
+    if isinstance(values, list | tuple):
+        return any(map(_is_masked, values))
+    return bool(np.ma.is_masked(values))
 
 
 def is_sparse(values: Any) -> bool:

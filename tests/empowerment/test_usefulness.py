@@ -2,6 +2,7 @@
 
 import json
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import habilis as hb
 from habilis.cli import main
 from habilis.empowerment.measures import average_empowerment, compare
-from habilis.empowerment.usefulness import usefulness
+from habilis.empowerment.usefulness import Usefulness, usefulness
 
 SMALL = hb.World.parse("A.P.\n..C.\n.#..\n...G", name="small")
 
@@ -32,6 +33,7 @@ def test_every_placement_is_judged_beside_the_same_without_the_tool(tool: str, s
         assert found.without[i] == pytest.approx(alone, abs=2e-6)
         assert found.useful[i] == (armed > 1e-9)
         assert found.better_than_none[i] == (armed > alone + 2e-6)
+        assert found.encumbers[i] == (alone > armed + 2e-6)
 
 
 def test_averages_are_those_that_compare_gives():
@@ -49,6 +51,7 @@ def test_a_broom_in_a_narrow_place_encumbers():
     assert found.average_without == 0.2  # 1 bit in 4 of 20 placements
     assert found.average_with_tool == 0
     assert not found.better_than_none_on_average
+    assert found.encumbers_on_average
     assert not found.useful_on_average
     room = usefulness(hb.World.parse("AB.\n.C.\n..G", name="room"), 4)
     assert not room.better_than_none_on_average
@@ -62,6 +65,71 @@ def test_no_actions_are_of_no_use():
     assert not found.better_than_none.any()
     assert not found.useful_on_average
     assert not found.better_than_none_on_average
+    assert not found.encumbers.any()
+    assert not found.encumbers_on_average
+
+
+@pytest.mark.parametrize(
+    ("with_tool", "without", "gaps", "better", "encumbers"),
+    [
+        (0.5, 0.5, (0, 0), False, False),
+        (0.1 + 0.2, 0.3, (0, 0), False, False),  # equal but for rounding, which makes it larger
+        (0.3, 0.1 + 0.2, (0, 0), False, False),
+        (0.5 + 1e-8, 0.5, (0, 0), True, False),
+        (0.5, 0.5 + 1e-8, (0, 0), False, True),
+        (0.5 + 1e-7, 0.5, (0, 1e-6), False, False),  # the other may be larger by its gap
+        (0.5, 0.5 + 1e-7, (1e-6, 0), False, False),
+        (0.5, 0.5 + 1e-7, (0, 1e-6), False, True),  # its own gap makes it larger still
+        (0.5 + 1e-7, 0.5, (1e-6, 0), True, False),
+    ],
+)
+def test_a_difference_counts_where_it_is_certain(with_tool, without, gaps, better, encumbers):
+    none: Any = [np.zeros(0)] * 6
+    values: Any = (*none, with_tool, without, *gaps)
+    found = Usefulness(*values)
+    assert found.better_than_none_on_average == better
+    assert found.encumbers_on_average == encumbers
+
+
+def test_where_nothing_can_be_done_to_the_can_the_tool_neither_helps_nor_encumbers():
+    """The agent and its tool are walled in, so with it and without the can stays where it is."""
+    apart = hb.World.parse("AP###\n#####\n###CG", name="apart")
+    for slip in (0.0, 0.3):
+        found = usefulness(apart, 2, slip)
+        assert found.average_with_tool == found.average_without == 0
+        assert not (found.encumbers | found.better_than_none).any()
+        assert not found.better_than_none_on_average
+        assert not found.encumbers_on_average
+
+
+def test_the_command_line_calls_a_tie_a_tie(capsys: pytest.CaptureFixture[str]):
+    assert main(["compare", "yard", "--horizon", "0"]) == 0
+    tie = "equal to none (better in 0% of placements, worse in 0%; useful in 0%)"
+    assert [line.split(maxsplit=2) for line in capsys.readouterr().out.splitlines()[1:]] == [
+        ["picker", "0.0000", tie],
+        ["broom", "0.0000", tie],
+        ["none", "0.0000"],
+    ]
+    assert main(["compare", "yard", "--horizon", "0", "--json"]) == 0
+    judged = json.loads(capsys.readouterr().out)["tools"]["picker"]
+    assert not judged["better_than_none"]
+    assert not judged["encumbers"]
+
+
+def test_the_maps_own_tools_are_compared_first_and_as_the_map_has_them(tmp_path, capsys):
+    text = "P = picker slip 0.5\nR = rake\nS = rake slip 1\nAP.C.\n....R\n...GS\n"
+    (tmp_path / "shop.txt").write_text(text)
+    assert main(["compare", str(tmp_path / "shop.txt"), "--horizon", "2", "--json"]) == 0
+    averages = json.loads(capsys.readouterr().out)["averages"]
+    assert list(averages) == ["picker", "rake", "rake2", "broom", "none"]
+    world = hb.World.parse(text)
+    for name, tool in zip(("picker", "rake", "rake2"), world.tools, strict=True):
+        alone = hb.tabulate(world.with_tool(tool))
+        assert averages[name] == pytest.approx(average_empowerment(alone, 2), abs=2e-6)
+    sure = hb.tabulate(hb.World.parse(text.replace("slip 0.5", "slip 0")).with_tool("picker"))
+    assert averages["picker"] < average_empowerment(sure, 2)
+    assert averages["rake2"] < averages["rake"]
+    assert compare(world, ["rake2"], 2) == {"rake2": averages["rake2"]}
 
 
 def test_a_world_without_a_tool_is_refused():
@@ -101,6 +169,8 @@ def test_the_command_line_says_useful_and_better(capsys: pytest.CaptureFixture[s
     assert answer["tools"]["broom"] == {
         "useful": True,
         "better_than_none": True,
+        "encumbers": False,
         "useful_share": pytest.approx(found.useful.mean()),
         "better_than_none_share": pytest.approx(found.better_than_none.mean()),
+        "encumbers_share": pytest.approx(found.encumbers.mean()),
     }

@@ -1,5 +1,7 @@
 """Enumerated tables that come from the disk."""
 
+from typing import Any
+
 import gymnasium
 import minigrid  # noqa: F401  # registers its environments
 import numpy as np
@@ -93,7 +95,8 @@ class Slowed(gymnasium.Wrapper):
     """A step goes nowhere where the environment inside is in the last cell but one."""
 
     def step(self, action):
-        if self.unwrapped.cell == 3:
+        line: Any = self.unwrapped
+        if line.cell == 3:
             return 3, 0.0, False, False, {}
         return self.env.step(action)
 

@@ -8,18 +8,18 @@ import minigrid  # noqa: F401  # registers its environments
 import numpy as np
 import pytest
 from minigrid.wrappers import ImgObsWrapper
-
-import habilis as hb
-from habilis.gymnasium_tables.snapshots import Identity
 from tests.gymnasium_tables.test_environments_of_others import (
     Cells,
     Forgetful,
     Frozen,
+    WithP,
     listed,
     place,
     put,
-    WithP,
 )
+
+import habilis as hb
+from habilis.gymnasium_tables.snapshots import Identity
 
 T = hb.TabularMDP.from_gymnasium
 
@@ -42,9 +42,10 @@ def test_a_minigrid_is_restored_with_its_wrappers(name: str):
     for state in range(0, mdp.states, 40):
         env = mdp.restore(state)
         assert isinstance(env, ImgObsWrapper)
-        column, row = env.unwrapped.agent_pos
+        inner: Any = env.unwrapped
+        column, row = inner.agent_pos
         assert mdp.factor("agent")[state] == row * 5 + column
-        shown = env.observation(env.unwrapped.gen_obs())
+        shown = env.observation(inner.gen_obs())
         assert np.array_equal(mdp.observation(state), shown)
         digest = Identity().of(env).digest
         assert digest == Identity().of(mdp.restore(state)).digest
@@ -91,11 +92,9 @@ def test_the_environment_that_was_passed_is_left_alone():
     ],
 )
 def test_what_cannot_be_restored_is_refused(mdp: hb.TabularMDP, state: Any, message: str):
+    ask = mdp.observation if "shows" in message else mdp.restore
     with pytest.raises(ValueError, match=re.escape(message)):
-        if "shows" in message:
-            mdp.observation(state)
-        else:
-            mdp.restore(state)
+        ask(state)
 
 
 def test_a_state_that_wrappers_cut_off_is_refused():

@@ -9,12 +9,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+from disks import mounted
 
 from habilis.cli import main
 from habilis.learning import checkpoints
@@ -231,23 +230,6 @@ def test_a_finished_run_is_resumed_by_reading_it(room, tmp_path, capsys):
     assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
 
 
-@contextmanager
-def mounted(place: Path, options: str) -> Iterator[None]:
-    """A file system in memory, of a size or not to be written to."""
-    place.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(place)]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True)
-    except OSError as error:
-        pytest.skip(f"cannot mount a file system: {error}")
-    if done.returncode:
-        pytest.skip(f"may not mount a file system: {done.stderr.strip()}")
-    try:
-        yield
-    finally:
-        subprocess.run(["umount", str(place)], check=True)
-
-
 def test_a_full_disk_is_one_line_and_with_room_it_goes_on(room, tmp_path, whole):
     disk = tmp_path / "disk"
     with mounted(disk, "size=192k"):
@@ -286,7 +268,10 @@ def test_a_folder_that_is_read_only_is_one_line(room, tmp_path, capsys):
         assert main(["train", str(room), *OPTIONS, "--out", str(disk / "run")]) == 2
         lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 3
-    assert all(f"{disk} cannot be written to; name another place" in line for line in lines)
+    assert all(
+        f"{disk} cannot be written to (Read-only file system); name another place" in line
+        for line in lines
+    )
 
 
 def test_a_disk_that_turns_read_only_is_one_line(room, interrupted, capsys, monkeypatch):
@@ -315,7 +300,7 @@ def test_what_is_not_finite_is_one_line_and_leaves_the_last_good_checkpoint(room
     assert done.returncode == 2
     found = re.fullmatch(
         r"habilis: room.txt: the loss of run (\d) is not finite at step ([\d,]+); lower "
-        r"learning_rate or reward_scale; the last good checkpoint is (.+)\n",
+        r"--learning-rate or --reward-scale; the last good checkpoint is (.+)\n",
         done.stderr,
     )
     assert found, done.stderr

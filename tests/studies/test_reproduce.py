@@ -4,6 +4,7 @@ import json
 import shutil
 from dataclasses import replace as dataclass_replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import polars as pl
 import pytest
@@ -170,3 +171,26 @@ def test_all_rows_share_the_frozen_settings():
             assert {name: values[name] for name in settings} == settings
             assert (config.intrinsic, config.beta) == (row.intrinsic, row.beta)
             assert config.runs == 10
+
+
+def test_an_earlier_folder_stays_where_a_new_one_cannot_take_its_place(tmp_path, monkeypatch):
+    new, out = tmp_path / ".new", tmp_path / "paper"
+    for folder, text in ((new, "new"), (out, "earlier")):
+        folder.mkdir()
+        (folder / "numbers.json").write_text(text)
+    rename = Path.rename
+
+    def fails(path, target):
+        if path == new:
+            raise OSError(28, "No space left on device")
+        return rename(path, target)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "rename", fails)
+        with pytest.raises(OSError, match="No space left"):
+            reproduce_module._put_in_place(new, out)
+    assert (out / "numbers.json").read_text() == "earlier"
+    assert (new / "numbers.json").read_text() == "new"
+    reproduce_module._put_in_place(new, out)
+    assert (out / "numbers.json").read_text() == "new"
+    assert [path.name for path in tmp_path.iterdir()] == ["paper"]

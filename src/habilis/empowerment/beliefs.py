@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
-from numba import njit
 
+from habilis.compiled import compiled
 from habilis.mdp_arguments import UNAVAILABLE
 
 if TYPE_CHECKING:
@@ -196,7 +196,7 @@ def _around(
     return states, Successors(first, state, probability, successors.actions)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _neighbourhood(first, state, probability, actions, start, horizon):
     place = {np.int32(start): np.int32(0)}
     near = [np.int32(start)]
@@ -230,7 +230,7 @@ def _neighbourhood(first, state, probability, actions, start, horizon):
     return np.array(near, np.int32), local_first, local_state, local_probability
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _count_within(first, state, actions, start, horizon):
     near = [np.int32(start)]
     met = {np.int32(start): True}
@@ -248,7 +248,7 @@ def _count_within(first, state, actions, start, horizon):
     return counts
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _key(row):
     key = np.uint64(0x9E3779B97F4A7C15)
     for value in row:
@@ -258,7 +258,7 @@ def _key(row):
     return key
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _find(row, key, slots, keys, rows, count, partial):
     """The slot of a row like this one, or the free slot where it belongs.
 
@@ -284,7 +284,7 @@ def _find(row, key, slots, keys, rows, count, partial):
     return slot
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _surely(belief, first, actions, a):
     """Whether an action is available in every state that a belief holds possible."""
     for s in range(len(belief)):
@@ -293,7 +293,7 @@ def _surely(belief, first, actions, a):
     return True
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _advance(matrix, first, state, probability, actions, most, partial):
     """One action more: the distinct beliefs, and from which row and by what they came about."""
     count, width = matrix.shape
@@ -340,7 +340,7 @@ def _advance(matrix, first, state, probability, actions, most, partial):
     return rows[:found].copy(), parent[:found].copy(), action[:found].copy()
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _gather(matrix):
     count, width = matrix.shape
     size = 16
@@ -363,7 +363,7 @@ def _gather(matrix):
     return rows[:found].copy(), first[:found].copy()
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _follow(sequences, first, state, probability, actions):
     width = (len(first) - 1) // actions
     rows = np.zeros((len(sequences), width))
@@ -380,7 +380,7 @@ def _follow(sequences, first, state, probability, actions):
     return rows
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _wander(draws, first, state, probability, actions):
     width = (len(first) - 1) // actions
     rows = np.zeros((len(draws), width))

@@ -118,8 +118,8 @@ def empowerment(
             from the states asked about.
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
-            empowerment, "object:can" where there are several), int[S] labels, or float[S, O]
-            probabilities of observations (also scipy.sparse).
+            empowerment, "object:can" where there are several), int[S] or bool[S] labels, or
+            float[S, O] probabilities of observations (also scipy.sparse).
         actions: the action indices that sequences are made of; by default all.
         states: the n states asked about, as indices or as bool[S]; of a world, as placements such
             as `{"agent": (0, 0), "tool": (1, 0), "object": (2, 2)}`. By default all, in order.

@@ -14,8 +14,8 @@ from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Int32, Int64, UInt64
-from numba import njit
 
+from habilis.compiled import compiled
 from habilis.empowerment.blocks import in_blocks
 
 _WORD = 64
@@ -75,7 +75,7 @@ def sets_backward(
         yield sets
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def unite(
     next_state: Int32[np.ndarray, "S A"],
     sets: UInt64[np.ndarray, "S W"],
@@ -129,7 +129,7 @@ def count_forward(
     return np.concatenate(counted)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _count_forward(next_state, labels, label_count, horizon, starts):
     counts = np.empty(len(starts), np.int64)
     here = np.empty(next_state.shape[0], np.int32)

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.cache import fingerprint, kept
+from habilis.empowerment.arguments import chosen_actions
 from habilis.empowerment.combined import combined
 from habilis.empowerment.core import Options, empowerment
 from habilis.empowerment.sensors import Sensor, is_noisy, observation_probabilities, observations
@@ -58,7 +59,7 @@ def _kept(
     )
     name = fingerprint(
         *("empowerment", _EDITION, horizon, mdp.transitions, seen),
-        None if actions is None else list(actions),
+        None if actions is None else chosen_actions(mdp, actions).tolist(),
         sorted(options.items()),
     )
 

@@ -11,7 +11,7 @@ from jaxtyping import Float64
 from habilis.empowerment.core import Options, empowerment
 from habilis.empowerment.landscape_states import asked
 from habilis.empowerment.sensors import Sensor
-from habilis.files import suffix_of
+from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
 from habilis.worlds.moving import Where
 from habilis.worlds.placements import object_factors, tool_factors
@@ -93,15 +93,14 @@ class Landscape:
             ValueError: another suffix, or the table cannot be written; nothing is written.
         """
         from habilis.empowerment.landscape_picture import draw_landscapes
-        from habilis.empowerment.tables import TABLES, save_table
+        from habilis.empowerment.tables import TABLES, save_table, write_array
         from habilis.worlds.pictures import PICTURES, save_figure
 
         suffix = suffix_of(path, [*PICTURES, *TABLES])
         if suffix in PICTURES:
             save_figure(draw_landscapes({self.title: self}), path)
         elif suffix == ".npy":
-            with Path(path).open("wb") as file:
-                np.save(file, self.values)
+            save_whole(path, lambda file: write_array(self.values, file))
         else:
             save_table(self.to_dataframe(), path)
 
@@ -171,12 +170,13 @@ def landscape(
     values = np.full(world.height * world.width, np.nan)
     bits = empowerment(mdp, horizon, sensor, actions, states, **options)
     values[mdp.factor("agent")[states]] = bits
+    bounds = "lower bounds on " if options.get("method") == "sampled" else ""
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
     found = Landscape(
         values=values.reshape(world.height, world.width),
         world=shown,
         unit=options.get("unit", "bits"),
-        title=f"{horizon}-step empowerment{sensed}",
+        title=f"{bounds}{horizon}-step empowerment{sensed}",
     )
     if ax is not None:
         found.draw(ax)

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
-from numba import njit
 from numpy.typing import ArrayLike
 
+from habilis.compiled import compiled
 from habilis.empowerment.arguments import Unit, chosen_actions, chosen_states, per_bit
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
@@ -94,7 +94,7 @@ def _certain_table(
     return np.where(table < 0, np.arange(mdp.states, dtype=np.int32)[:, None], table)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _components(
     table: Int32[np.ndarray, "S A"], starts: Int32[np.ndarray, "n"]
 ) -> tuple[Int32[np.ndarray, "S"], Int32[np.ndarray, "reached"]]:
@@ -147,7 +147,7 @@ def _components(
     return component, closed[:done]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _most_in_reach(
     table: Int32[np.ndarray, "S A"],
     labels: Int32[np.ndarray, "S"],

@@ -78,14 +78,15 @@ def compare(
 
     Args:
         world: the map.
-        tools: names of tools, or tools of one's own; "none" is the bare agent.
+        tools: names of the map's own tools, which keep what the map says of them, or of others, or
+            tools of one's own; "none" is the bare agent.
         horizon: h, in actions.
         slip: as in `tabulate`.
         **options: of `empowerment`.
 
     Returns:
-        Bits by the tool's name (see `World.with_tool`): the average over all placements with the
-        tool in hand or, for "none", over all placements.
+        Bits by the tool's name (as in `World.tools` or `World.with_tool`): the average over all
+        placements with the tool in hand or, for "none", over all placements.
 
     Raises:
         ValueError: no tools, an unknown one, two of one name, or a map that has no place for one.
@@ -96,19 +97,42 @@ def compare(
         >>> {tool: round(bits, 2) for tool, bits in averages.items()}
         {'picker': 0.52, 'none': 0.23}
     """
-    if not tools:
-        raise ValueError(f"no tools to compare; name some, such as picker,broom,{NO_TOOL}")
-    worlds = {(other := held(world.with_tool(tool))).tool: other for tool in tools}
-    if len(worlds) < len({tool if isinstance(tool, str) else id(tool) for tool in tools}):
-        raise ValueError(
-            f"two of the tools have one name, of {', '.join(worlds)}; compare each alone"
-        )
     return {
-        name: average_empowerment(tabulate(other, slip), horizon, "object", **options)
-        for name, other in worlds.items()
+        name: average_empowerment(tabulate(held(armed), slip), horizon, "object", **options)
+        for name, armed in with_each_tool(world, tools).items()
     }
 
 
 def ranking(averages: Mapping[str, float]) -> list[str]:
     """The tools from the most to the least empowering."""
     return sorted(averages, key=lambda tool: -averages[tool])
+
+
+def with_each_tool(world: World, tools: Sequence[str | Tool | type] | None) -> dict[str, World]:
+    """The world with each of some tools alone, by the tool's name.
+
+    Args:
+        world: the map.
+        tools: names of the world's own tools, which stay as they are there, or of others, or tools
+            of one's own; "none" is the bare agent. By default the world's own and "none".
+
+    Raises:
+        ValueError: no tools, an unknown one, two of one name, or a map that has no place for one.
+    """
+    own = {tool.name: tool for tool in world.tools}
+    asked = [*own, NO_TOOL] if tools is None else tools
+    if not asked:
+        raise ValueError(f"no tools to compare; name some, such as picker,broom,{NO_TOOL}")
+    found: dict[str, World] = {}
+    given: list[str | Tool | type] = []
+    for tool in asked:
+        if tool in given:
+            continue
+        given.append(tool)
+        there = own.get(tool) if isinstance(tool, str) else None
+        armed = world.with_tool(tool if there is None else there)
+        name = armed.tool if there is None else there.name
+        if name in found:
+            raise ValueError(f"two of the tools have one name, {name!r}; compare each alone")
+        found[name] = armed
+    return found

@@ -20,12 +20,12 @@ from habilis.empowerment.influence import (
     share,
 )
 from habilis.empowerment.lasting import persistence
-from habilis.empowerment.measures import compared_states, held
-from habilis.files import suffix_of
+from habilis.empowerment.measures import compared_states, held, with_each_tool
+from habilis.files import save_whole, suffix_of
 from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
-from habilis.worlds.world import NO_TOOL, World
+from habilis.worlds.world import World
 
 if TYPE_CHECKING:
     import polars as pl
@@ -116,15 +116,14 @@ class Pairs:
         Raises:
             ValueError: another suffix, or the table cannot be written; nothing is written.
         """
-        from habilis.empowerment.tables import save_table
+        from habilis.empowerment.tables import TABLES, save_table, write_array
         from habilis.worlds.pictures import PICTURES, save_figure
 
-        suffix = check_suffix(path)
+        suffix = suffix_of(path, [*PICTURES, *TABLES])
         if suffix in PICTURES:
             save_figure(self.draw(), path)
         elif suffix == ".npy":
-            with Path(path).open("wb") as file:
-                np.save(file, self.averages)
+            save_whole(path, lambda file: write_array(self.averages, file))
         else:
             save_table(self.to_dataframe(), path)
 
@@ -139,18 +138,6 @@ class Pairs:
 
 MEASURES = ("range", "latency", "median_latency", "persistence", "reliability")
 """What is said of a pair besides its averages, by the names of the attributes."""
-
-
-def check_suffix(path: str | Path) -> str:
-    """The suffix of a file that `Pairs.save` can write.
-
-    Raises:
-        ValueError: it cannot write such a one.
-    """
-    from habilis.empowerment.tables import TABLES
-    from habilis.worlds.pictures import PICTURES
-
-    return suffix_of(path, [*PICTURES, *TABLES])
 
 
 def pairs(
@@ -196,7 +183,7 @@ def pairs(
                [0.41, 0.37]])
     """
     horizon = at_least_one("horizon", horizon)
-    rows = _with_each_tool(world, tools)
+    rows = with_each_tool(world, tools)
     columns = tuple(dict.fromkeys(_object_names(world) if objects is None else objects))
     if not columns:
         raise ValueError(f"no objects; name some of {', '.join(_object_names(world))}")
@@ -211,6 +198,7 @@ def pairs(
             tell(done, len(alone))
             if (key := _dynamics(pair)) not in measured:
                 measured[key] = _measured(pair, horizon, slip, options)
+    bounds = "lower bounds on " if options.get("method") == "sampled" else ""
     found = [[measured[_dynamics(alone[tool, object])] for object in columns] for tool in rows]
     values = {
         name: np.array([[getattr(one, name) for one in row] for row in found]) for name in MEASURES
@@ -221,7 +209,7 @@ def pairs(
         averages=np.array([[one.averages for one in row] for row in found]).transpose(2, 0, 1),
         **values,
         unit=options.get("unit", "bits"),
-        title=f"{world.name}: average object empowerment",
+        title=f"{world.name}: {bounds}average object empowerment",
     )
 
 
@@ -264,24 +252,3 @@ def _dynamics(pair: World) -> object:
 
 def _object_names(world: World) -> list[str]:
     return [thing.name for thing in world.objects]
-
-
-def _with_each_tool(world: World, tools: Sequence[str | Tool | type] | None) -> dict[str, World]:
-    """The world with one of the tools alone, by the tool's name."""
-    own = {tool.name: tool for tool in world.tools}
-    asked = [*own, NO_TOOL] if tools is None else tools
-    if not asked:
-        raise ValueError(f"no tools to compare; name some, such as picker,broom,{NO_TOOL}")
-    found: dict[str, World] = {}
-    given: list[str | Tool | type] = []
-    for tool in asked:
-        if tool in given:
-            continue
-        given.append(tool)
-        there = own.get(tool) if isinstance(tool, str) else None
-        armed = world.with_tool(tool if there is None else there)
-        name = armed.tool if there is None else there.name
-        if name in found:
-            raise ValueError(f"two of the tools have one name, {name!r}; compare each alone")
-        found[name] = armed
-    return found

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 Sensor = str | ArrayLike | Any
-"""A factor's name, "state" for all of it, int[S] labels, or float[S, O] probabilities."""
+"""A factor's name, "state" for all of it, int[S] or bool[S] labels, or float[S, O] probabilities.
+"""
 
 
 def is_noisy(sensor: Sensor) -> bool:
@@ -66,8 +67,8 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
     Args:
         mdp: the table.
         sensor: "state", the name of a factor ("object" stands for "object:can" where that is the
-            only object), or an int[S] array of labels. Labels need not be consecutive: states
-            with equal labels look alike, and nothing else matters.
+            only object), or an int[S] or bool[S] array of labels. Labels need not be consecutive:
+            states with equal labels look alike, and nothing else matters.
 
     Returns:
         Labels renumbered from 0 without gaps, and how many there are.
@@ -81,10 +82,10 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
         labels = mdp.factors[mdp.factor_named(sensor, "sensor", ["state"])]
     else:
         labels = as_array("sensor", sensor)
-        if labels.shape != (mdp.states,) or not np.issubdtype(labels.dtype, np.integer):
+        if labels.shape != (mdp.states,) or labels.dtype.kind not in "biu":
             raise ValueError(
-                f"sensor has shape {labels.shape} and type {labels.dtype}; "
-                f"give one integer label for each of the {mdp.states} states"
+                f"sensor has shape {labels.shape} and type {labels.dtype}; give one integer label "
+                f"for each of the {mdp.states} states, as np.unique(labels, return_inverse=True)[1]"
             )
     values, renumbered = np.unique(labels, return_inverse=True)
     return renumbered.astype(np.int32), len(values)

@@ -1,16 +1,18 @@
 """Values of states as tables, in memory and as files."""
 
-import io
 from collections.abc import Callable, Mapping
+from io import BytesIO
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import polars as pl
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import chosen_states
-from habilis.files import suffix_of
+from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
+from habilis.probabilities import as_array
 
 
 def to_dataframe(
@@ -52,7 +54,7 @@ def to_dataframe(
     columns |= {name: flags[rows] for name, flags in mdp.flags.items()}
     given = [] if values is None else [values if isinstance(values, Mapping) else {"bits": values}]
     for name, measured in ((n, m) for mapping in [*given, measures] for n, m in mapping.items()):
-        column = np.asarray(measured)
+        column = as_array(name, measured)
         if column.shape != (len(rows),):
             raise ValueError(
                 f"{name} has shape {column.shape}; give one value for each of the "
@@ -77,21 +79,21 @@ def save_table(table: pl.DataFrame, path: str | Path) -> None:
             the file cannot be written.
     """
     write = TABLES[suffix_of(path, TABLES)]
-    try:
-        write(table, Path(path))
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise ValueError(f"{path}: cannot be written ({str(error).splitlines()[0]})") from error
+
+    def fill(file: BinaryIO) -> None:
+        try:
+            write(table, file)
+        except (ValueError, pl.exceptions.PolarsError) as error:
+            raise ValueError(f"{path}: {str(error).splitlines()[0]}") from error
+
+    save_whole(path, fill)
 
 
-def _npz(table: pl.DataFrame, path: Path) -> None:
-    content = io.BytesIO()  # first, so that what cannot be said so costs no file that is there
+def _npz(table: pl.DataFrame, file: BinaryIO) -> None:
     try:
-        np.savez(content, allow_pickle=False, **{c.name: _array(c) for c in table})
+        np.savez(file, allow_pickle=False, **{c.name: _array(c) for c in table})
     except (TypeError, ValueError) as error:
-        raise ValueError(
-            f"{path}: .npz cannot have these columns ({error}); use .parquet"
-        ) from None
-    path.write_bytes(content.getbuffer())
+        raise ValueError(f".npz cannot have these columns ({error}); use .parquet") from None
 
 
 def _array(column: pl.Series) -> np.ndarray:
@@ -100,20 +102,26 @@ def _array(column: pl.Series) -> np.ndarray:
     return np.array(column.to_list(), str) if words else column.to_numpy()
 
 
-def _npy(table: pl.DataFrame, path: Path) -> None:
+def _npy(table: pl.DataFrame, file: BinaryIO) -> None:
     columns = [column for column in table if column.dtype.is_float()]
     if len(columns) != 1:
         names = ", ".join(column.name for column in columns) or "none"
         raise ValueError(
-            f"{path}: .npy is for one column of values, here are {names}; use .npz, .csv, .parquet"
+            f".npy is for one column of values, here are {names}; use .npz, .csv, .parquet"
         )
-    with path.open("wb") as file:
-        np.save(file, columns[0].to_numpy())
+    write_array(columns[0].to_numpy(), file)
 
 
-TABLES: dict[str, Callable[[pl.DataFrame, Path], None]] = {
-    ".csv": lambda table, path: table.write_csv(path),
-    ".parquet": lambda table, path: table.write_parquet(path),
+def write_array(array: np.ndarray, file: BinaryIO) -> None:
+    """Writes an array as .npy, as bytes: of a full disk NumPy itself says only how far it came."""
+    content = BytesIO()
+    np.save(content, array, allow_pickle=False)
+    file.write(content.getbuffer())
+
+
+TABLES: dict[str, Callable[[pl.DataFrame, BinaryIO], None]] = {
+    ".csv": lambda table, file: table.write_csv(file),
+    ".parquet": lambda table, file: table.write_parquet(file),
     ".npz": _npz,
     ".npy": _npy,
 }

@@ -1,7 +1,7 @@
 """Whether a tool is of use, state by state and on average (section III-B.3 of the paper)."""
 
 from dataclasses import dataclass
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -12,12 +12,15 @@ from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import NO_TOOL, World
 
+Values = float | Float64[np.ndarray, "n"]
+
 
 @dataclass(frozen=True)
 class Usefulness:
     """The object empowerment of an agent with its tool in hand, and of the bare agent.
 
-    Values are in the unit asked for, over the n states with the tool in hand.
+    Values are in the unit asked for, over the n states with the tool in hand. They are lower bounds
+    that a certificate completes, so that a difference counts only where it is larger than the gap.
 
     Attributes:
         states: int64[n], in the table of the world with the tool.
@@ -25,10 +28,13 @@ class Usefulness:
         without: float64[n], the agent's object empowerment E_AO, agent and object in the same
             cells and no tool in the world.
         useful: bool[n], `E_TO > 0`: with the tool the agent can do something to the object.
-        better_than_none: bool[n], `E_AO < E_TO`: more than it could without. Where this does not
-            hold, the tool encumbers the agent.
+        better_than_none: bool[n], `E_AO < E_TO`: more than it could without.
+        encumbers: bool[n], `E_AO > E_TO`: less than it could without. Where neither holds, both are
+            equal, or what is certified of them leaves open which is larger.
         average_with_tool: over all placements with the tool in hand.
         average_without: over all placements without a tool.
+        gap_with_tool, gap_without: how much larger these averages can be (0 where nothing is
+            noisy).
     """
 
     states: Int64[np.ndarray, "n"]
@@ -36,8 +42,11 @@ class Usefulness:
     without: Float64[np.ndarray, "n"]
     useful: Bool[np.ndarray, "n"]
     better_than_none: Bool[np.ndarray, "n"]
+    encumbers: Bool[np.ndarray, "n"]
     average_with_tool: float
     average_without: float
+    gap_with_tool: float
+    gap_without: float
 
     @property
     def useful_on_average(self) -> bool:
@@ -46,8 +55,13 @@ class Usefulness:
 
     @property
     def better_than_none_on_average(self) -> bool:
-        """Whether the average with the tool is above that without."""
-        return self.average_with_tool > self.average_without + NOTHING
+        """Whether the average with the tool is above that without, for certain."""
+        return bool(_above(self.average_with_tool, self.average_without, self.gap_without))
+
+    @property
+    def encumbers_on_average(self) -> bool:
+        """Whether the average with the tool is below that without, for certain."""
+        return bool(_above(self.average_without, self.average_with_tool, self.gap_with_tool))
 
 
 def usefulness(
@@ -79,19 +93,32 @@ def usefulness(
         raise ValueError(f"{world.name} has no tool to judge; give it one, as with_tool('broom')")
     mdp, bare = tabulate(held(world), slip), tabulate(world.with_tool(NO_TOOL), slip)
     states = np.flatnonzero(compared_states(mdp))
-    with_tool = empowerment(mdp, horizon, "object", states=states, **options)
+    armed, armed_gap = empowerment(
+        mdp, horizon, "object", states=states, return_gap=True, **options
+    )
     alone, gap = empowerment(bare, horizon, "object", return_gap=True, **options)
     same = _same_placement(mdp, bare)[states]
     return Usefulness(
-        states,
-        with_tool,
-        alone[same],
-        with_tool > NOTHING,
-        # What noise leaves open is not called better: the true values may differ by their gaps.
-        with_tool > alone[same] + np.maximum(gap[same], NOTHING),
-        float(with_tool.mean()),
-        float(alone.mean()),
+        states=states,
+        with_tool=armed,
+        without=alone[same],
+        useful=armed > NOTHING,
+        better_than_none=_above(armed, alone[same], gap[same]),
+        encumbers=_above(alone[same], armed, armed_gap),
+        average_with_tool=float(armed.mean()),
+        average_without=float(alone.mean()),
+        gap_with_tool=float(armed_gap.mean()),
+        gap_without=float(gap.mean()),
     )
+
+
+def _above(larger: Values, smaller: Values, gap: Values) -> Any:
+    """Whether values are above others for certain: those may be larger by their gaps.
+
+    Logarithms of equal counts, and means of them, may differ by rounding: `NOTHING` is no
+    difference.
+    """
+    return larger > smaller + np.maximum(gap, NOTHING)
 
 
 def _same_placement(mdp: TabularMDP, bare: TabularMDP) -> Int64[np.ndarray, "S"]:

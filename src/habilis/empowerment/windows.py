@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Int16, Int32, Int64, UInt64
-from numba import njit
 
+from habilis.compiled import compiled
 from habilis.empowerment.blocks import in_blocks
 
 _WORD = 64
@@ -121,7 +121,7 @@ def count_in_window(
     return np.concatenate(counted)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _extend(next_state, row, column, reach, out, begin, end):
     """One step back: how far up, down, left and right, and the extremes of this block."""
     top = bottom = left = right = 0
@@ -146,7 +146,7 @@ def _extend(next_state, row, column, reach, out, begin, end):
     return top, bottom, left, right, changed
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _unite_shifted(
     next_state: Int32[np.ndarray, "S A"],
     place: Int32[np.ndarray, "S"],

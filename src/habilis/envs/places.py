@@ -129,10 +129,11 @@ class Position:
             if changers
             else "it is random, or depends on something that is not in its state"
         )
+        name = type(unwrapped(self.env)).__name__
         return (
-            f"{type(unwrapped(self.env)).__name__} does not follow its table: in step {self._steps} "
-            f"of an episode, action {action} in state {self.state}, state {expected} was expected, "
-            f"and {came} came (terminated={terminated}); {what}, or give state=(save, load)"
+            f"{name} does not follow its table: in step {self._steps} of an episode, action "
+            f"{action} in state {self.state}, state {expected} was expected, and {came} came "
+            f"(terminated={terminated}); {what}, or give state=(save, load)"
         )
 
 

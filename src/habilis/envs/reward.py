@@ -261,7 +261,7 @@ class _ManyStates:
     def __init__(
         self, vector: SyncVectorEnv, measure: Measure, max_states: int, identity: Identity
     ):
-        envs = vector.envs
+        envs: list[Any] = vector.envs
         for number, env in enumerate(envs[1:], start=1):
             if not same_table(envs[0], env):
                 raise ValueError(
@@ -270,7 +270,7 @@ class _ManyStates:
                 )
         self._places = places_of(envs[0], measure, max_states, identity)
         self._followed = [_Followed(env, self._places) for env in envs]
-        vector.envs = self._followed
+        envs[:] = self._followed
 
     @property
     def values(self) -> Float64[np.ndarray, "S"]:

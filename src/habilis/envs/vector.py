@@ -18,6 +18,7 @@ from habilis.envs.table import (
     unavailable,
 )
 from habilis.mdp import TabularMDP
+from habilis.probabilities import as_array
 from habilis.worlds.chance import Chance
 
 Stepped = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]
@@ -157,7 +158,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def _checked(self, actions: Any) -> Int64[np.ndarray, "N"]:
         """The actions, some of them drawn anew where there is slip."""
-        chosen = np.asarray(actions)
+        chosen = as_array("actions", actions)
         if chosen.shape != (self.num_envs,) or chosen.dtype.kind not in "iu":
             raise ValueError(
                 f"actions have shape {chosen.shape} and type {chosen.dtype}; "

@@ -11,6 +11,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from jaxtyping import Shaped, UInt8
 
+from habilis.empowerment.core import Options
 from habilis.empowerment.keeping import kept_empowerment
 from habilis.envs.observations import Observation, Show, frames, observation
 from habilis.envs.screen import Screen
@@ -242,15 +243,10 @@ class Scene:
             if name in columns or name == "state":
                 raise ValueError(f"measure {name!r} is what info has already; give another name")
             try:
-                values = kept_empowerment(noisy, **arguments)
-                if np.shape(values) != (mdp.states,):
-                    raise ValueError("it has not one value for every state")
-                columns[name] = values
-            except (TypeError, ValueError) as error:
-                raise ValueError(
-                    f"measure {name!r}: {error}; give the arguments of habilis.empowerment, as "
-                    '{"horizon": 6, "sensor": "object"}'
-                ) from None
+                _check_measure(arguments)
+                columns[name] = kept_empowerment(noisy, **arguments)
+            except ValueError as error:
+                raise ValueError(f"measure {name!r}: {error}") from None
         draw = None if render_mode in (None, "ansi") else frames(mdp, found, _CELL)
         return cls(found, mdp, observation(shown, mdp, found), columns, Chance.of(mdp), draw)
 
@@ -270,6 +266,21 @@ class Scene:
     def picture(self, states: Any) -> UInt8[np.ndarray, "*n height width 3"]:
         assert self.draw is not None, "pictures are made in the modes that show them"
         return self.draw(states)
+
+
+def _check_measure(arguments: Any) -> None:
+    """Refuses what are no arguments of `habilis.empowerment` that give a value for every state."""
+    example = '{"horizon": 6, "sensor": "object"}'
+    known = ("horizon", "sensor", "actions", *Options.__annotations__)
+    if not isinstance(arguments, Mapping):
+        raise ValueError(f"is {arguments!r}; give arguments of habilis.empowerment, as {example}")
+    for name in arguments:
+        if name in ("states", "return_gap"):
+            raise ValueError(f"it has not one value for every state; leave out {name}")
+        if name not in known:
+            raise ValueError(f"argument {name!r} is unknown; use some of {', '.join(known)}")
+    if "horizon" not in arguments:
+        raise ValueError(f"has no horizon; give one, as {example}")
 
 
 def as_world(world: World | str | Path) -> World:

@@ -186,8 +186,8 @@ def made_step(env: Any, action: int, where: str) -> tuple[Any, np.float32, bool,
     except Exception as error:  # whatever the environment's own code raises
         kind = "" if str(error).startswith(type(error).__name__) else f"{type(error).__name__}: "
         raise ValueError(
-            f"action {action} in {where} raises {kind}{reason(error)}; reset the environment before "
-            "it is tabulated with seed=None, and let every action be possible in every state"
+            f"action {action} in {where} raises {kind}{reason(error)}; reset the environment "
+            "before it is tabulated with seed=None, and let every action be possible in every state"
         ) from None
     if not isinstance(returned, tuple) or len(returned) != 5:
         raise ValueError(

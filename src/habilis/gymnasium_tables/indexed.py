@@ -2,18 +2,18 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import gymnasium
 import numpy as np
 from jaxtyping import Bool, Int64
 
+from habilis.gymnasium_tables.access import deep_copy
 from habilis.gymnasium_tables.enumeration import made_step
 from habilis.gymnasium_tables.identity import view
 from habilis.gymnasium_tables.randomness import left_alone, reseed
 from habilis.gymnasium_tables.replays import LEAST_SECONDS, Came, replayed
-from habilis.gymnasium_tables.snapshots import deep_copy, layers, reset, unwrapped
+from habilis.gymnasium_tables.snapshots import layers, reset, unwrapped
 from habilis.gymnasium_tables.verification import changes, declares, step_changers
 from habilis.mdp import TabularMDP
 
@@ -143,7 +143,6 @@ class _Held:
     generators: Sequence[Any]
     rewarded_otherwise: bool
 
-    @cached_property
     def successors(self) -> list[list[list[int]]]:
         indexed, actions = self.indexed, range(self.indexed.mdp.action_count)
         return [

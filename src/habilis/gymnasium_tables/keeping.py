@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from habilis.cache import Arrays, fingerprint, kept
+from habilis.gymnasium_tables.access import access
 from habilis.gymnasium_tables.enumeration import Enumerated, action_count, enumerate_states
 from habilis.gymnasium_tables.identity import view
-from habilis.gymnasium_tables.snapshots import Access, Identity, access, layers
+from habilis.gymnasium_tables.snapshots import Access, Identity, layers
 from habilis.gymnasium_tables.verification import follows, verified
 from habilis.mdp import TabularMDP
 

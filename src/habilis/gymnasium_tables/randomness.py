@@ -1,4 +1,4 @@
-"""The random generators that a step may draw from: Python's, NumPy's, and those of an environment."""
+"""The random generators that a step may draw from: Python's, NumPy's, an environment's own."""
 
 import random
 from collections.abc import Iterable, Iterator, Sequence

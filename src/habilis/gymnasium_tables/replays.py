@@ -69,7 +69,6 @@ class Came:
 class Dynamics(Protocol):
     """A table, and the environment that it is held against."""
 
-    @property
     def successors(self) -> list[list[list[int]]]:
         """By state and action, the states that may follow; none where nothing follows."""
         ...
@@ -138,7 +137,7 @@ def replayed(dynamics: Dynamics, seconds: float) -> tuple[set[tuple[int, int]], 
         The transitions (state, action) that were seen, and the first that was another than the
         table's.
     """
-    coverage = _Coverage(dynamics.successors)
+    coverage = _Coverage(dynamics.successors())
     end = time.perf_counter() + seconds
     logs = []
     for choose in _choosers(coverage, dynamics, end - seconds / 4):
@@ -214,7 +213,7 @@ def _episode(
     """One episode: its actions, and the step that was another than the table's, if any."""
     env, state = dynamics.begin(abs(seed) * 2 + (seed < 0))
     actions = []
-    while (action := choose(state)) is not None and dynamics.successors[state][action]:
+    while (action := choose(state)) is not None and coverage.successors[state][action]:
         came = dynamics.step(env, state, action)
         actions.append(action)
         if came.differs is not None:

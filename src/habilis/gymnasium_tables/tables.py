@@ -6,8 +6,8 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from jaxtyping import Int32
 
+from habilis.gymnasium_tables.access import access
 from habilis.gymnasium_tables.enumeration import (
     Enumerated,
     action_count,
@@ -16,7 +16,7 @@ from habilis.gymnasium_tables.enumeration import (
 )
 from habilis.gymnasium_tables.indexed import Indexed
 from habilis.gymnasium_tables.indexed import verified as verified_index
-from habilis.gymnasium_tables.snapshots import Access, Identity, access, reset, unwrapped
+from habilis.gymnasium_tables.snapshots import Access, Identity, reset, unwrapped
 from habilis.gymnasium_tables.transition_dict import has_table, listed_table
 from habilis.gymnasium_tables.verification import changes, step_changers, verified
 from habilis.mdp import TabularMDP

@@ -70,8 +70,8 @@ def _rows(P: Any, state: int, action: int) -> list[tuple[float, int, float, bool
         listed = list(P[state][action])
     except (KeyError, IndexError, TypeError):
         raise ValueError(
-            f"P has no list of outcomes for state {state} and action {action}; give P[state][action] "
-            f"= [{_OUTCOME}] for each, or state=(save, load) if P is something else"
+            f"P has no list of outcomes for state {state} and action {action}; give "
+            f"P[state][action] = [{_OUTCOME}] for each, or state=(save, load) if P is no table"
         ) from None
     try:
         return [(float(p), _whole(after), float(r), bool(end)) for p, after, r, end in listed]

@@ -90,7 +90,6 @@ class _Held:
     shown_otherwise: bool
     rewarded_otherwise: bool
 
-    @cached_property
     def successors(self) -> list[list[list[int]]]:
         table, terminal = self.found.mdp.next_state.tolist(), self.found.mdp.terminal
         return [[[] if terminal[s] else [t] for t in row] for s, row in enumerate(table)]
@@ -120,9 +119,9 @@ class _Held:
             due = reward_now(inner, due) if is_minigrid(inner) else due
             if np.float32(due) != reward:
                 differs = (f"reward {due:g}", f"reward {float(reward):g}")
-        if differs is None and not self.shown_otherwise:
-            if observed(observation) != self.found.observed[state, action]:
-                differs = ("the observation of the first time", "another")
+        shown = self.found.observed[state, action]
+        if differs is None and not self.shown_otherwise and observed(observation) != shown:
+            differs = ("the observation of the first time", "another")
         return Came(expected, terminated or truncated, differs)
 
     def _difference(self, expected: int, mark: Any, env: Any) -> tuple[str, str]:

@@ -6,15 +6,13 @@ not cover all of a file. NumPy reads it as it is.
 
 import hashlib
 import io
-import os
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import BinaryIO
 
 import jax
 import numpy as np
 
+from habilis.files import remove_partial, write_whole
 from habilis.learning.jobs import Job
 
 KEPT = 2
@@ -48,37 +46,10 @@ def save(job: Job, folder: Path) -> Path:
 
 def remove_all(folder: Path) -> None:
     """Removes a folder's checkpoints, those set aside too, and what a kill left half written."""
-    for pattern in (f"{_PREFIX}*{_SUFFIX}", f"{_ASIDE}*{_SUFFIX}", partial("*")):
+    for pattern in (f"{_PREFIX}*{_SUFFIX}", f"{_ASIDE}*{_SUFFIX}"):
         for path in folder.glob(pattern):
             path.unlink()
-
-
-def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
-    """Writes a file beside its place, makes sure that it is on the disk, and puts it there.
-
-    Args:
-        path: where it goes.
-        write: what fills an open binary file.
-    """
-    temporary = path.with_name(partial(path.name))
-    try:
-        with temporary.open("wb") as file:
-            write(file)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
-
-
-def partial(name: str) -> str:
-    """What a file is called while it is written."""
-    return f".{name}.partial"
+    remove_partial(folder)
 
 
 def restore(job: Job, folder: Path) -> tuple[Path | None, dict[Path, str]]:

@@ -1,8 +1,11 @@
 """Compiled programs, kept from one process to the next."""
 
+from pathlib import Path
+
 import jax
 
 from habilis.cache import cache_folder
+from habilis.files import check_folder
 
 _PLACE = "jax_compilation_cache_dir"
 
@@ -13,5 +16,15 @@ def keep_compiled() -> None:
     In `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`. JAX's own settings come first:
     `JAX_COMPILATION_CACHE_DIR` names another place, `JAX_ENABLE_COMPILATION_CACHE=false` is none.
     """
-    if getattr(jax.config, _PLACE) is None:
-        jax.config.update(_PLACE, str(cache_folder()))
+    folder = cache_folder()
+    if getattr(jax.config, _PLACE) is None and folder is not None and _can_be_written(folder):
+        jax.config.update(_PLACE, str(folder))
+
+
+def _can_be_written(folder: Path) -> bool:
+    """Where it cannot, JAX would warn of every program."""
+    try:
+        check_folder(folder)
+    except ValueError:
+        return False
+    return True

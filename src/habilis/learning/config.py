@@ -145,6 +145,12 @@ class Config:
         kind = ALGORITHMS[name]
         own, learner = ({f.name for f in fields(c)} for c in (cls, kind))
         unknown = sorted(set(values) - own - learner)
+        of_others = [other for other, k in ALGORITHMS.items() if unknown and _has(k, unknown[0])]
+        if of_others:
+            raise ValueError(
+                f"{unknown[0]} is a setting of {' and '.join(of_others)}, not of {name}; leave it "
+                f"out, or choose algorithm={of_others[0]!r}"
+            )
         if unknown:
             raise ValueError(
                 f"setting {unknown[0]!r} is unknown; use some of {', '.join(sorted(own | learner))}"
@@ -171,3 +177,7 @@ class Config:
         if values.get("algorithm", kept["algorithm"]) != kept["algorithm"]:
             kept = {f.name: kept[f.name] for f in fields(self)}
         return type(self).from_dict(kept | values)
+
+
+def _has(kind: Any, name: str) -> bool:
+    return any(f.name == name for f in fields(kind))

@@ -11,7 +11,6 @@ summary.json        best return, and each run's episodes to convergence; written
 """
 
 import json
-import os
 import shutil
 import tempfile
 import zipfile
@@ -25,15 +24,13 @@ import jax
 import numpy as np
 import polars as pl
 
+from habilis.files import check_folder, check_path, is_partial, write_whole
 from habilis.learning import checkpoints
-from habilis.learning.checkpoints import write_whole
 from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.runs import Run
 from habilis.worlds.own_tools import OwnToolError
 from habilis.worlds.world import World
-
-_LONGEST_NAME = 240  # bytes: what file systems allow, less what a temporary name adds
 
 
 def check_unused(folder: str | Path, but: Collection[str] = ()) -> None:
@@ -47,32 +44,13 @@ def check_unused(folder: str | Path, but: Collection[str] = ()) -> None:
         ValueError: it exists and is not an empty folder, or cannot be written.
     """
     folder = Path(folder)
-    check_writable(folder)
-    allowed = {*but, *(checkpoints.partial(name) for name in but)}
-    if folder.exists() and any(path.name not in allowed for path in folder.iterdir()):
+    check_folder(folder)
+    names = [path.name for path in folder.iterdir()] if folder.exists() else []
+    if any(name not in but and not any(is_partial(name, of) for of in but) for name in names):
         raise ValueError(
             f"{folder}: exists already; name a new folder, or remove it "
             "(train and sweep go on in theirs with --resume)"
         )
-
-
-def check_writable(folder: Path) -> None:
-    """Refuses a folder that cannot be made or written.
-
-    Raises:
-        ValueError: what exists of its path is no folder, or may not be written to.
-    """
-    path = folder.absolute()
-    if max(len(os.fsencode(part)) for part in path.parts) > _LONGEST_NAME:
-        raise ValueError(f"{folder.name[:40]}...: the name is too long; give a shorter one")
-    try:
-        existing = next(p for p in (path, *path.parents) if os.path.lexists(p))
-    except ValueError as error:
-        raise ValueError(f"{str(folder)!r}: is no path ({error}); name another place") from None
-    if not existing.is_dir():
-        raise ValueError(f"{folder}: {existing} is not a folder; name another place")
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise ValueError(f"{folder}: {existing} cannot be written to; name another place")
 
 
 def save_run(run: Run, folder: str | Path) -> None:
@@ -231,6 +209,7 @@ def load_run(folder: str | Path) -> Run:
             names the file.
     """
     folder = Path(folder)
+    check_path(folder)
     config, world = read_config(folder), read_world(folder)
     if checkpoints.checkpoints(folder) and not is_finished(folder):
         raise ValueError(f"{folder}: the run has not ended; go on with it by train --resume")
@@ -252,6 +231,7 @@ def load_latest(folder: str | Path) -> Run:
         ValueError: the folder holds no run, one without a checkpoint, or a damaged one.
     """
     folder = Path(folder)
+    check_path(folder)
     if folder.is_file():
         raise ValueError(f"{folder}: is a file; name the folder of a run")
     config, world = read_config(folder), read_world(folder)

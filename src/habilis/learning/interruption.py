@@ -8,6 +8,8 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from habilis.files import remove_partial
+
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -36,6 +38,7 @@ def alone(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise ValueError(f"{folder}: cannot be written ({error.strerror or error})") from None
     try:
+        remove_partial(folder)
         yield
     finally:
         lock.release()

@@ -6,13 +6,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from habilis.files import check_folder
 from habilis.learning import checkpoints
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import (
     begin,
     check_unused,
-    check_writable,
     finish,
     has_begun,
     is_finished,
@@ -51,7 +51,7 @@ def train_in_folder(
         check_unused(folder)
     elif is_finished(folder):
         return _finished(config, folder)
-    check_writable(folder)
+    check_folder(folder)
     job = _job_of(config, folder)
     with saving(folder):
         folder.mkdir(parents=True, exist_ok=True)

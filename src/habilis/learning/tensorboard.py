@@ -18,7 +18,7 @@ from tensorboardX.proto import event_pb2, summary_pb2
 from tensorboardX.record_writer import masked_crc32c
 from tensorboardX.summary import hparams, text
 
-from habilis.learning.checkpoints import write_whole
+from habilis.files import write_whole
 from habilis.learning.jobs import Job
 from habilis.learning.runs import Point
 
@@ -37,7 +37,7 @@ TAGS = {
 
 _events: Any = event_pb2  # its classes are made when it is imported
 _summaries: Any = summary_pb2
-_OURS = re.compile(r"\.?events\.out\.tfevents\.(\d+)\.habilis(\.partial)?$")
+_OURS = re.compile(r"\.?events\.out\.tfevents\.(\d+)\.habilis(\.\w+)*$")
 
 
 class EventFiles:

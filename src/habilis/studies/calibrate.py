@@ -24,7 +24,7 @@ from pathlib import Path
 
 import polars as pl
 
-from habilis.learning.checkpoints import write_whole
+from habilis.files import write_whole
 from habilis.learning.config import Config
 from habilis.learning.train import train
 from habilis.studies.published import EXPERIMENTS

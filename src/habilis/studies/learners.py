@@ -5,7 +5,8 @@ from pathlib import Path
 
 import polars as pl
 
-from habilis.learning.folder import check_unused, check_writable, saving
+from habilis.files import check_folder
+from habilis.learning.folder import check_unused, saving
 from habilis.learning.interruption import alone, stop_signals
 from habilis.studies.choosing.analysis import STUDY as CHOOSING
 from habilis.studies.comparing.report import PAGE as PAGE
@@ -81,7 +82,7 @@ def _named(name: str) -> Study:
 
 def _open(folder: Path, resume: bool) -> None:
     there = resume and folder.is_dir() and any(folder.iterdir())
-    check_writable(folder) if there else check_unused(folder)
+    check_folder(folder) if there else check_unused(folder)
     if there and not (folder / RUNS).is_dir():
         raise ValueError(f"{folder}: holds no studies to go on with; name another folder")
     with saving(folder):

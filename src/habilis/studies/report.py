@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from habilis.files import write_whole
 from habilis.studies.outcome import Reproduction
 from habilis.studies.page import inlined, render
 from habilis.studies.published import EXPERIMENTS
@@ -26,4 +27,4 @@ def write_report(reproduction: Reproduction, folder: Path) -> None:
         settings=frozen_settings(),
         figure=lambda name: inlined(folder / f"{name}.svg"),
     )
-    (folder / "report.html").write_text(page, "utf-8")
+    write_whole(folder / "report.html", lambda file: file.write(page.encode()))

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import polars as pl
 
+from habilis.files import check_folder
 from habilis.learning.display import progress_bars
-from habilis.learning.folder import check_writable
 from habilis.learning.train import train
 from habilis.studies import figures
 from habilis.studies.learned import learned_relations
@@ -82,7 +82,7 @@ def reproduce(
 
 def _check_replaceable(out: Path) -> None:
     """Refuses a folder that holds anything but an earlier reproduction."""
-    check_writable(out)
+    check_folder(out)
     if out.is_symlink():
         raise ValueError(f"{out}: is a link; name the folder itself")
     if out.exists() and not _is_reproduction(out):
@@ -113,12 +113,24 @@ def _write(reproduction: Reproduction) -> None:
         _write_figures(reproduction.results, folder)
         write_report(reproduction, folder)
         folder.chmod(0o755)
-        if out.exists():
-            shutil.rmtree(out)
-        folder.rename(out)
+        _put_in_place(folder, out)
     except (OSError, pl.exceptions.PolarsError) as error:
         reason = str(error).splitlines()[0]
         raise ValueError(f"{out}: cannot be written ({reason}); what there is: {folder}") from error
+
+
+def _put_in_place(folder: Path, out: Path) -> None:
+    """Has a whole folder take the place of an earlier one, which stays if that fails."""
+    earlier = folder.with_name(f"{folder.name}-earlier")
+    if out.exists():
+        out.rename(earlier)
+    try:
+        folder.rename(out)
+    except OSError:
+        if earlier.exists():
+            earlier.rename(out)
+        raise
+    shutil.rmtree(earlier, ignore_errors=True)
 
 
 def _write_data(reproduction: Reproduction, folder: Path) -> None:

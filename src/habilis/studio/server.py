@@ -19,7 +19,8 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 import habilis
-from habilis.extras import import_from
+from habilis.extras import check_installed, import_from
+from habilis.files import check_folder
 from habilis.studio import answering, learning
 from habilis.studio.answering import Pools
 from habilis.studio.clients import Client
@@ -204,7 +205,8 @@ def opened(
             raise ValueError(f"tool {name!r} is there already; leave it out")
     shown = None if run is None else import_from("habilis.studio.trained", "learn").described(run)
     if kept is not None:
-        import_from("habilis.learning.folder", "learn").check_writable(kept)
+        check_installed("learn")
+        check_folder(kept)
         kept = kept.absolute()
     found = listening(host, port)
     access = Access.of(host, found.getsockname()[1])

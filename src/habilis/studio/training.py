@@ -11,6 +11,7 @@ from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any
 
+from habilis.files import write_whole
 from habilis.learning.config import Config
 from habilis.studio.fields import shown
 from habilis.studio.limits import TRAINING
@@ -127,7 +128,8 @@ class Trainings:
         config = Config.from_dict(settings | {"world": str(drawn), "slip": scene.slip})
         with _writing(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
-            drawn.write_text(scene.world.located().text(), "utf-8")
+            text = scene.world.located().text().encode()
+            write_whole(drawn, lambda file: file.write(text))
         self.under_way.add(name)
         try:
             yield Training(name, self.folder / name, config, self._places)

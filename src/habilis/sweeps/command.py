@@ -13,7 +13,7 @@ from rich.table import Table
 from habilis.extras import import_from
 from habilis.sweeps.local import processes
 from habilis.sweeps.spec import Spec, read_spec
-from habilis.sweeps.sweep import Executor, OnProgress, sweep
+from habilis.sweeps.sweep import Executor, OnProgress, check_place, sweep
 from habilis.sweeps.tasks import run_tasks
 
 
@@ -25,6 +25,7 @@ def run(args: Namespace) -> dict[str, Any]:
         mean episodes; "out"; for a search also "best", the number of the best point.
     """
     spec = read_spec(args.spec)
+    check_place(args.out, args.resume)  # before a cluster is started
     best: dict[str, Any] = {}
     with _executor(args) as executor, progress_bar() as on_progress:
         how: Any = {"executor": executor, "resume": args.resume, "on_progress": on_progress}

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 
-from habilis.learning.checkpoints import write_whole
+from habilis.files import write_whole
 from habilis.learning.config import Config
 from habilis.learning.folder import check_same_table
 from habilis.learning.jobs import digest_of_own_tool

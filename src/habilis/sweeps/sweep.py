@@ -9,8 +9,9 @@ from typing import Protocol
 
 import polars as pl
 
+from habilis.files import check_folder
 from habilis.learning.config import Config
-from habilis.learning.folder import check_unused, check_writable, saving
+from habilis.learning.folder import check_unused, saving
 from habilis.learning.interruption import Interrupted, alone, stop_signals
 from habilis.sweeps import store
 from habilis.sweeps.tasks import Done, Outcomes, Task, check, run_tasks, tasks_of
@@ -159,14 +160,23 @@ def opened(
     Raises:
         ValueError: it is in use, is no sweep's, or cannot be written.
     """
-    there = resume and folder.is_dir() and any(folder.iterdir())
-    check_writable(folder) if there else check_unused(folder)
-    if there and not store.is_sweep(folder) and not _is_empty_but_for_lock(folder):
-        raise ValueError(f"{folder}: holds no sweep to go on with; name another folder")
+    check_place(folder, resume)
     with saving(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with alone(folder), stop_signals() as stopped:
         yield Session(folder, executor, on_progress, stopped)
+
+
+def check_place(folder: Path, resume: bool) -> None:
+    """Refuses a folder that no sweep can be kept in, or gone on with, before any work is done.
+
+    Raises:
+        ValueError: it holds something else, or cannot be written.
+    """
+    there = resume and folder.is_dir() and any(folder.iterdir())
+    check_folder(folder) if there else check_unused(folder)
+    if there and not store.is_sweep(folder) and not _is_empty_but_for_lock(folder):
+        raise ValueError(f"{folder}: holds no sweep to go on with; name another folder")
 
 
 def _is_empty_but_for_lock(folder: Path) -> bool:

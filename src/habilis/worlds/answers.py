@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from habilis.probabilities import as_array
 from habilis.worlds.own_tools import failure
 from habilis.worlds.tools import Cells, Flags, Tool, name_of
 
@@ -70,7 +71,8 @@ def ask(
     """What a tool says of placements in all of which it is in hand; see `answers`."""
     more = {} if seen is None else {"seen": _unwritable(seen)}
     try:
-        told = np.asarray(getattr(rule, method)(*map(_unwritable, placements), *step, **more))
+        said = getattr(rule, method)(*map(_unwritable, placements), *step, **more)
+        told = as_array("the answer", said)
     except (Exception, SystemExit) as error:
         mend = _WRITE if "read-only" in str(error) else "mend it"
         raise refusal(rule, method, f"fails with {failure(error)}", mend) from error

@@ -6,14 +6,14 @@ from fractions import Fraction
 from itertools import chain, repeat
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from jaxtyping import UInt8
 from PIL import Image
 
-from habilis.extras import import_from
-from habilis.files import suffix_of
+from habilis.extras import MissingExtraError, import_from
+from habilis.files import suffix_of, write_whole
 from habilis.worlds.tiles import Tiles
 from habilis.worlds.world import World
 
@@ -74,7 +74,8 @@ def save_gif(states: States, path: str | Path, cell: int = 32, milliseconds: int
     )
     durations = [milliseconds] * (len(states) - 1) + [_REST * milliseconds]
     image = next(images)
-    image.save(path, format="GIF", save_all=True, append_images=images, duration=durations, loop=0)
+    how: Any = {"append_images": images, "duration": durations, "loop": 0}
+    write_whole(path, lambda file: image.save(file, format="GIF", save_all=True, **how))
 
 
 def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int = 250) -> None:
@@ -86,11 +87,11 @@ def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int
     first, last, frames = _checked(states, path, cell, milliseconds)
     height, width = (side + side % 2 for side in first.shape[:2])
     rate = str(Fraction(1000, milliseconds))
-    video = import_from("imageio_ffmpeg", extra="video")
+    encoder = check_video()
     with TemporaryDirectory() as folder, TemporaryFile() as complaints:
         film = Path(folder) / "film.mp4"
         command = [  # ffmpeg below 7.1 converts to the colours that it is told of by "scale" only
-            *(video.get_ffmpeg_exe(), "-loglevel", "error"),
+            *(encoder, "-loglevel", "error"),
             *("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate),
             *("-i", "-", "-vf", f"scale=out_color_matrix={_COLOURS}:out_range=tv"),
             *("-c:v", "libx264", "-crf", "16", "-pix_fmt", "yuv420p"),
@@ -108,7 +109,23 @@ def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int
         if process.returncode:
             complaints.seek(0)
             raise OSError(f"ffmpeg: {complaints.read().decode(errors='replace').strip()}")
-        Path(path).write_bytes(film.read_bytes())
+        write_whole(path, lambda file: file.write(film.read_bytes()))
+
+
+def check_video() -> str:
+    """The program that encodes an MP4.
+
+    Raises:
+        MissingExtraError: it is not installed.
+    """
+    video = import_from("imageio_ffmpeg", extra="video")
+    try:
+        return video.get_ffmpeg_exe()
+    except RuntimeError:
+        raise MissingExtraError(
+            "ffmpeg is not installed; run: pip install 'habilis[video]', or let "
+            "IMAGEIO_FFMPEG_EXE name it"
+        ) from None
 
 
 _SAVERS: dict[str, Callable[[States, str | Path, int, int], None]] = {

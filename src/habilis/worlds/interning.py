@@ -2,7 +2,8 @@
 
 import numpy as np
 from jaxtyping import Int32, Int64
-from numba import njit
+
+from habilis.compiled import compiled
 
 _SCATTER = np.uint64(0x9E3779B97F4A7C15)  # 2**64 over the golden ratio: spreads keys that are near
 _FIRST_BITS = 12
@@ -40,7 +41,7 @@ class Interned:
         _fill(self._slots, self._keys, self._count, self._bits)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _add(slots, known, count, bits, keys, numbers):
     for place in range(len(keys)):
         slot = _slot(slots, known, bits, keys[place])
@@ -52,13 +53,13 @@ def _add(slots, known, count, bits, keys, numbers):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _fill(slots, known, count, bits):
     for number in range(count):
         slots[_slot(slots, known, bits, known[number])] = number
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _slot(slots, known, bits, key):
     """Where a key is, or the free slot where it would be."""
     slot = np.int64((np.uint64(key) * _SCATTER) >> np.uint64(64 - bits))

@@ -9,10 +9,12 @@ DROP = "drop"
 """The setting above a map that lets the agent put down its tool."""
 
 _BYTE_ORDER_MARK = "\ufeff"  # what some editors put at the start of a file
-# What binds a character above the map, or sets something; no row of a map has a small letter or a
-# colon.
-_BINDING = re.compile(rf"(\S)\s*{BINDS}\s*(.*[a-z:].*)")
+# What binds a character above the map, or sets something.
+_BINDING = re.compile(rf"(\S)\s*{BINDS}\s*(.*[^\s{BINDS}].*)")
 _SETTING = re.compile(r"([a-z]+)\s*:\s*(\S+)")
+# Lines that try to: what has the sign and a space, a small letter or a colon is no drawn row.
+_TRIES_TO_BIND = re.compile(rf"(?=.*[\sa-z:]).*{BINDS}.*")
+_TRIES_TO_SET = re.compile(r"(?=.*[a-z])[A-Za-z]{2,}\s*:.*")
 _EMPTY = "the map is empty; draw at least one row, such as 'AP.CG'"
 
 Lines = list[tuple[int, str]]
@@ -53,10 +55,9 @@ def header(lines: Lines, name: str) -> tuple[Header, Lines]:
     bound: dict[str, tuple[int, str]] = {}
     drop: tuple[int, bool] | None = None
     rows = list(lines)
-    while rows and (
-        not rows[0][1] or _BINDING.fullmatch(rows[0][1]) or _SETTING.fullmatch(rows[0][1])
-    ):
+    while rows and _is_above(rows[0][1]):
         line, text = rows.pop(0)
+        _check_line(f"{name}, line {line}", text)
         setting = _SETTING.fullmatch(text)
         if setting is not None:
             said = _drop(f"{name}, line {line}", *setting.groups())
@@ -78,7 +79,32 @@ def header(lines: Lines, name: str) -> tuple[Header, Lines]:
         bound[character] = line, kind
     if not rows:
         raise ValueError(f"{name}: {_EMPTY}")
+    for line, text in rows:
+        if _TRIES_TO_BIND.fullmatch(text):
+            raise ValueError(
+                f"{name}, line {line}: {text!r} binds a character below the first row of the map; "
+                "put it above that"
+            )
     return Header(bound, drop is not None and drop[1]), rows
+
+
+def _is_above(text: str) -> bool:
+    """Whether a line is none of the map's rows."""
+    return not text or bool(_TRIES_TO_BIND.fullmatch(text) or _TRIES_TO_SET.fullmatch(text))
+
+
+def _check_line(place: str, text: str) -> None:
+    """Refuses a line above the map that neither binds a character nor sets anything."""
+    if not text or _BINDING.fullmatch(text) or _SETTING.fullmatch(text):
+        return
+    left, _, right = (part.strip() for part in text.partition(BINDS))
+    if BINDS not in text or left.lower() == DROP:
+        raise ValueError(f"{place}: {text!r} is no setting; the only one is '{DROP}: true'")
+    problem = f"{left!r} is not one character" if left and right else f"{text!r} binds nothing"
+    raise ValueError(
+        f"{place}: {problem}; write one character, {BINDS!r} and what it stands for, "
+        "as in 'R = rake'"
+    )
 
 
 def _drop(place: str, setting: str, value: str) -> bool:

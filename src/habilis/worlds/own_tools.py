@@ -15,6 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from habilis.files import shown
 from habilis.worlds.characters import check_free
 from habilis.worlds.tools import TOOLS, Tool
 
@@ -44,8 +45,8 @@ def tool_named(name: str) -> Tool:
         return TOOLS[name]
     if not is_own(name):
         raise ValueError(
-            f"tool {name!r} is unknown; use one of {', '.join(TOOLS)}, none, or one of your own "
-            "as FILE.py:CLASS"
+            f"tool {shown(repr(name))} is unknown; use one of {', '.join(TOOLS)}, none, or one of "
+            "your own as FILE.py:CLASS"
         )
     place, _, wanted = name.rpartition(_BETWEEN)
     try:
@@ -54,7 +55,7 @@ def tool_named(name: str) -> Tool:
         path, source = _read(place)
         return _found_in_file(place, path, source, wanted)
     except ValueError as error:
-        raise OwnToolError(f"tool {name!r}: {error}") from None
+        raise OwnToolError(f"tool {shown(repr(name))}: {error}") from None
 
 
 def as_tool(given: Any) -> Tool:

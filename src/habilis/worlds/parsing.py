@@ -1,11 +1,12 @@
 """From a map's text to the things of a world."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from habilis.files import shown
 from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL, check_free
 from habilis.worlds.map_text import Header, Lines, header, map_lines
 from habilis.worlds.own_tools import beside, is_own, tool_named
@@ -34,9 +35,15 @@ class Meaning:
 
 def parsed(text: str, name: str, folder: Path | None) -> dict[str, Any]:
     """The fields of a world from its map's text; see `World.parse`."""
+    for what, given in (("the text of a map", text), ("the name of a map", name)):
+        if not isinstance(given, str):
+            raise ValueError(
+                f"{what} is {shown(repr(given))}; give a str (load_world reads a map from a file)"
+            )
     head, lines = header(map_lines(text, name), name)
-    meanings = _meanings(head, name, folder)
+    meanings = _meanings(head, name, None if folder is None else Path(folder))
     walls, marks = _read(lines, meanings, name)
+    _check_used(head, marks, name)
     roles = {meanings[mark].role for mark in marks}
     for role in (AGENT, OBJECT, GOAL):
         if role not in roles:
@@ -78,6 +85,18 @@ def numbered(kinds: list[str]) -> list[str]:
         name if not (before := names[:place].count(name)) else f"{name}{before + 1}"
         for place, name in enumerate(names)
     ]
+
+
+def _check_used(head: Header, marks: Collection[str], name: str) -> None:
+    """Refuses lines above the map that bind a character which the map does not have."""
+    for character, (line, said) in head.bound.items():
+        if character not in marks:
+            other = character.swapcase()
+            hint = f" (the map has {other!r}, which is another)" if other in marks else ""
+            raise ValueError(
+                f"{name}, line {line}: {character!r} is bound to {said!r} but is not on the "
+                f"map{hint}; put it on a floor cell, or leave out the line"
+            )
 
 
 def _meanings(head: Header, name: str, folder: Path | None) -> dict[str, Meaning]:

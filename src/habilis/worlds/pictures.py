@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import UInt8
@@ -20,7 +21,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from rich.text import Text
 
-from habilis.files import suffix_of
+from habilis.files import suffix_of, write_whole
 from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL
 from habilis.worlds.map_writing import marks_of
 from habilis.worlds.shapes import (
@@ -113,8 +114,9 @@ def save_figure(figure: Figure, path: str | Path) -> None:
         ValueError: another suffix; nothing is written.
     """
     suffix = suffix_of(path, PICTURES)
+    how: Any = {"format": suffix[1:], "dpi": "figure", "metadata": PICTURES[suffix]}
     with rc_context({"svg.hashsalt": "habilis", "savefig.bbox": "standard"}):
-        figure.savefig(path, format=suffix[1:], dpi="figure", metadata=PICTURES[suffix])
+        write_whole(path, lambda file: figure.savefig(file, **how))
 
 
 def frame(world: World, cell: int = 32) -> UInt8[np.ndarray, "height width 3"]:

@@ -5,6 +5,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from habilis.files import shown
 from habilis.worlds.characters import FLOOR, WALL
 from habilis.worlds.map_writing import binding, header_of, marks_of
 from habilis.worlds.own_tools import as_tool, is_in_file, is_own, located, tool_named
@@ -14,6 +15,8 @@ from habilis.worlds.things import Cell as Cell
 from habilis.worlds.tools import Tool, name_of
 
 NO_TOOL = "none"
+ENVIRONMENT = "gym:"
+"""Before the name of a Gymnasium environment on the command line."""
 
 
 @dataclass(frozen=True)
@@ -321,23 +324,38 @@ def load_world(name: str | Path, tool: str | Tool | type | None = None) -> World
 
 def _source(name: str | Path) -> tuple[str, str, Path | None]:
     """The text of a map, what to call it, and the folder that it is in."""
+    if not isinstance(name, str | Path):
+        raise ValueError(
+            f"world is {shown(repr(name))}; give a built-in world's name or the path of a map file"
+        )
     if str(name) in world_names():
         text = next(f for f in _builtin_files() if f.name == f"{name}.txt").read_text("utf-8")
         return text, str(name), None
     path = Path(name)
-    if path.exists() and not path.is_file():
-        raise ValueError(f"{path}: is not a file; give the path of a map file")
-    shown = repr(str(name)) if not str(name).isprintable() else str(name)
     try:
+        if path.exists() and not path.is_file():
+            raise IsADirectoryError(0, "it is not a file")
         return path.read_text("utf-8"), path.name, path.parent
     except UnicodeDecodeError as error:
-        raise ValueError(f"{shown}: not a text file; give a map drawn in characters") from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
         raise ValueError(
-            f"{shown}: no such world ({reason}); name one of "
-            f"{', '.join(world_names())}, or the path of a map file (World.parse reads map text)"
+            f"{shown(name)}: not a text file; give a map drawn in characters"
         ) from error
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{shown(name)}: {_not_a_world(str(name), error)}") from error
+
+
+def _not_a_world(name: str, error: Exception) -> str:
+    """What is wrong with a name, and what to name instead."""
+    known = f"name one of {', '.join(world_names())}, or the path of a map file"
+    if "\n" in name:
+        return f"no such world (this is the text of a map); {known} (World.parse reads map text)"
+    if name.startswith(ENVIRONMENT):
+        return (
+            f"no such world (it is a Gymnasium environment, which habilis empowerment takes, and "
+            f"in Python TabularMDP.from_gymnasium); here {known}"
+        )
+    reason = getattr(error, "strerror", None) or error
+    return f"no such world ({reason}); {known} (World.parse reads map text)"
 
 
 def _builtin_files():

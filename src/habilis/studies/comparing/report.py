@@ -7,7 +7,7 @@ from typing import Any
 
 import polars as pl
 
-from habilis.learning.checkpoints import write_whole
+from habilis.files import write_whole
 from habilis.learning.folder import saving
 from habilis.studies.comparing.analysis import Comparison, comparisons, sentences, summary
 from habilis.studies.comparing.study import HORIZON, QUICK, Budget, Study

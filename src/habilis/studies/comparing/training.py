@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import polars as pl
 
+from habilis.files import write_whole
 from habilis.learning.batches import LANES, train_jobs, workers
-from habilis.learning.checkpoints import write_whole
 from habilis.learning.config import Config
 from habilis.learning.folder import saving
 from habilis.learning.interruption import Interrupted

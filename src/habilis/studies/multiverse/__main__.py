@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from habilis.learning.folder import check_writable
+from habilis.files import check_folder
 from habilis.learning.interruption import Interrupted
 from habilis.studies.multiverse.report import write_study
 from habilis.studies.multiverse.settings import agents, all_maps
@@ -20,7 +20,7 @@ def main() -> int:
     args = parser.parse_args()
     everyone = agents(all_maps())
     try:
-        check_writable(args.out)
+        check_folder(args.out)
         with progress_bar() as on_progress:
             results = sweep(
                 [agent.config for agent in everyone],

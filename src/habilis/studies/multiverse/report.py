@@ -7,7 +7,7 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
-from habilis.learning.checkpoints import write_whole
+from habilis.files import write_whole
 from habilis.studies.multiverse import claims, pictures
 from habilis.studies.multiverse.settings import (
     BETAS,

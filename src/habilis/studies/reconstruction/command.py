@@ -7,6 +7,7 @@ from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
 
+from habilis.files import check_folder, save_whole, writing
 from habilis.studies.numbers import Number
 from habilis.studies.reconstruction.annealing import Schedule
 from habilis.studies.reconstruction.search import Report, attempts
@@ -90,10 +91,7 @@ def _make_room(folder: Path, stated: StatedMap, count: int) -> None:
     taken = [path for n in range(1, count + 1) if (path := _path(folder, stated, n)).exists()]
     if taken:
         raise ValueError(f"{taken[0]}: exists; name another folder, or remove it")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ValueError(f"{folder}: cannot be made ({error.strerror}); name another") from error
+    check_folder(folder)
 
 
 def _path(folder: Path, stated: StatedMap, number: int) -> Path:
@@ -108,7 +106,10 @@ def _write(args: Namespace, world: World, stated: StatedMap, attempt: int) -> No
         f"Meets all {len(stated.numbers)} stated numbers of {stated.name}.toml.",
     )
     comments = "".join(f"{COMMENT} {line}\n" for line in lines)
-    (args.out / f"{world.name}.txt").write_text(comments + world.text(), "utf-8")
+    with writing(args.out):
+        args.out.mkdir(parents=True, exist_ok=True)
+    text = (comments + world.text()).encode()
+    save_whole(args.out / f"{world.name}.txt", lambda file: file.write(text))
 
 
 def _print(world: World, numbers: list[Number]) -> None:
