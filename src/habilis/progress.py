@@ -1,12 +1,18 @@
-"""A bar that shows how far a long enumeration has come."""
+"""A bar that shows how far a long computation has come."""
 
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+PATIENCE = 2.0
+"""Seconds that pass before a bar appears."""
 
 
 @contextmanager
 def progress_bar(what: str, show: bool) -> Iterator[Callable[[int, int], None]]:
     """A function that is told how many are done and how many are known so far.
+
+    The bar appears once `PATIENCE` seconds have passed, and vanishes in the end.
 
     Args:
         what: is counted.
@@ -19,6 +25,19 @@ def progress_bar(what: str, show: bool) -> Iterator[Callable[[int, int], None]]:
     from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn
 
     columns = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what)
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    task = bar.add_task(what, total=None)
+    late = threading.Timer(PATIENCE, bar.start)
+    late.daemon = True
+    late.start()
+    try:
         yield lambda done, known: bar.update(task, completed=done, total=known)
+    finally:
+        late.cancel()
+        late.join()  # it may just be starting the bar
+        bar.stop()
+
+
+def in_percent(tell: Callable[[int, int], None]) -> Callable[[float], None]:
+    """A bar as a function of the share that is done, from 0 to 1."""
+    return lambda share: tell(int(100 * share), 100)

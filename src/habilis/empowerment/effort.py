@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from habilis.empowerment.beliefs import beliefs_after, states_within
+from habilis.empowerment.limits import Limits, TooMuchError, takes, too_much
 from habilis.empowerment.open_loop import Problem, solve_channel
 from habilis.probabilities import shape_of
 
@@ -14,32 +15,6 @@ _PROBED = 3  # states looked at
 _ENTRIES = 200_000  # numbers in the beliefs of a state up to which they are tried out
 _BYTES = 8 * 4  # a number of a belief: in an array perhaps just doubled, and what comes of it
 _TRIFLE = 20_000_000  # numbers in all states' beliefs, at worst, below which nobody waits
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What a computation may cost.
-
-    Attributes:
-        gib: memory in use at once, in GiB.
-        seconds: time.
-    """
-
-    gib: float
-    seconds: float
-
-
-class TooMuchError(ValueError):
-    """A computation that would cost more than it may.
-
-    Attributes:
-        horizon: that was asked for.
-        fitting: the largest that fits; -1 where none does.
-    """
-
-    def __init__(self, message: str, horizon: int, fitting: int):
-        super().__init__(message)
-        self.horizon, self.fitting = horizon, fitting
 
 
 @dataclass(frozen=True)
@@ -72,26 +47,19 @@ def check_effort(
     effort = estimate(problem, starts, threads)
     fits = (effort.gib <= limits.gib) & (effort.seconds <= limits.seconds)
     if not fits.all():
-        cost = f"takes about {effort.gib[-1]:.3g} GiB and {effort.seconds[-1]:.3g} s"
+        cost = takes(effort.gib[-1], effort.seconds[-1])
         raise too_much(horizon, int(np.argmin(fits)) - 1, limits, cost)
+
+
+def check_samples(
+    problem: Problem, starts: Int64[np.ndarray, "n"], samples: int, threads: int, limits: Limits
+) -> None:
+    pass
 
 
 def most_entries(limits: Limits, at_once: int) -> int:
     """How many numbers the beliefs of one of so many states at once may be."""
     return int(min(limits.gib * 2**30 / (_BYTES * at_once), 2**62))
-
-
-def too_much(
-    horizon: int, fitting: int, limits: Limits, cost: str = "turns out to take more memory"
-) -> TooMuchError:
-    """The error that names the largest horizon that fits."""
-    best = f"the largest horizon that fits is {fitting}" if fitting >= 0 else "no horizon fits"
-    message = (
-        f"horizon {horizon} {cost}; the limits are {limits.gib:g} GiB and {limits.seconds:g} s, "
-        f"and {best}: use it, raise max_gib or max_seconds, or ask for a lower bound "
-        "with method='sampled'"
-    )
-    return TooMuchError(message, horizon, fitting)
 
 
 def estimate(problem: Problem, starts: Int64[np.ndarray, "n"], threads: int) -> Effort:

@@ -8,15 +8,12 @@ from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import chosen_actions, chosen_states, per_bit, whole_number
-from habilis.empowerment.core import (
-    MOST_PACKED_LABELS,
-    Options,
-    empowerment,
-    neighbourhood,
-)
-from habilis.empowerment.sensors import Sensor, is_noisy, observations
+from habilis.empowerment.core import Options, bits_of, empowerment, question_of
+from habilis.empowerment.limits import MAX_GIB, MAX_SECONDS, Limits
+from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.processors import processors
+from habilis.progress import in_percent, progress_bar
 
 
 def empowerment_by_horizon(
@@ -53,21 +50,18 @@ def empowerment_by_horizon(
     """
     horizon = whole_number("horizon", horizon)
     sampled = options.get("method", "exact") != "exact"
-    labels, label_count = (None, 0) if is_noisy(sensor) else observations(mdp, sensor)
-    if mdp.is_stochastic or labels is None or sampled or label_count > MOST_PACKED_LABELS:
+    if mdp.is_stochastic or is_noisy(sensor) or sampled:
         asked = range(horizon, -1, -1)  # the largest first: what takes too long is refused at once
         found = [empowerment(mdp, h, sensor, actions, states, **options) for h in asked]
         return np.stack(found[::-1])
     empowerment(mdp, 0, sensor, actions, [], **options)  # says what is wrong with any option
-    from habilis.empowerment.counting import sets_backward, sizes
+    from habilis.empowerment.deterministic import counts_by_horizon
 
-    starts = chosen_states(mdp, states)
-    table = np.ascontiguousarray(mdp.next_state[:, chosen_actions(mdp, actions)])
-    near, nearby, place = neighbourhood(table, starts, horizon)
+    starts, used = chosen_states(mdp, states), chosen_actions(mdp, actions)
     threads = options.get("threads") or processors()
-    scale = per_bit(options.get("unit", "bits"))
-    rows = [
-        np.log2(sizes(sets[place])) * scale
-        for sets in sets_backward(nearby, labels[near], label_count, horizon, threads)
-    ]
-    return np.stack(rows + rows[-1:] * (horizon + 1 - len(rows)))
+    limits = Limits(options.get("max_gib", MAX_GIB), options.get("max_seconds", MAX_SECONDS))
+    with progress_bar("empowerment", options.get("show_progress", False)) as bar:
+        tell = in_percent(bar)
+        question = question_of(mdp, horizon, sensor, used, starts, threads, limits, tell)
+        counts = counts_by_horizon(question)
+    return bits_of(counts) * per_bit(options.get("unit", "bits"))
