@@ -24,6 +24,7 @@ from habilis.empowerment.recurring import FIRST_LOOK, recurring
 _WORD = 64
 _FEW_WORDS = 4
 _PARTS = 8  # of the starts, for each thread: they are done one after another
+_STARTS = 500  # in a part at least
 
 
 def count_backward(
@@ -132,7 +133,7 @@ def count_forward(
         most_steps: how many steps from state to state it may take; likewise.
         watch: is called with the share that is done.
     """
-    parts = max(1, min(len(starts), threads * _PARTS))
+    parts = max(1, min(len(starts) // _STARTS, threads * _PARTS))
     edges = [len(starts) * part // parts for part in range(parts + 1)]
     counts = np.empty(len(starts), np.int64)
 

@@ -26,7 +26,7 @@ from habilis.empowerment.windows import Window, count_in_window, window_of, wort
 MOST_PACKED_LABELS = 4096
 """Labels up to which all states' sets are carried back at once."""
 
-_LISTED = 64  # states in a set up to which a list of them costs less than a row of bits
+_LISTED = 128  # states in a set up to which a list of them costs less than a row of bits
 _LIST_STEPS = 2_000_000  # steps from state to state that a list may cost
 _TRIED = 16  # states whose lists are tried out
 _LONG = 64  # actions above which a shorter horizon with the same sets is looked for
@@ -257,33 +257,35 @@ def _of_many_labels(
     question: Question, asked: Question, place: Counts, levels: Counts, graph: Graph | None
 ) -> Counts:
     """As lists while sets are short, and as columns of bits where they outgrow these."""
-    starts, where = np.unique(place, return_inverse=True)
+    starts, where = place, slice(None)
+    if question.starts is not None:
+        starts, where = np.unique(place, return_inverse=True)
     columns = Columns.of(asked.labels, asked.label_count, starts)
     gib = _check(asked, levels, _columns_bytes(asked, columns))
 
-    def listed(states: Counts, watch: Progress = unwatched) -> Counts:
-        return count_forward(
+    def listed(chosen: Counts, threads: int, watch: Progress) -> None:
+        found[chosen] = count_forward(
             asked.table,
             asked.labels,
             asked.label_count,
             asked.horizon,
-            states,
-            asked.threads,
+            starts[chosen],
+            threads,
             most=_LISTED,
             most_steps=_LIST_STEPS,
             watch=watch,
         )
 
     found = np.full(len(starts), -1, np.int64)
-    trial = np.unique(np.linspace(0, len(starts) - 1, _TRIED).astype(int)) if len(starts) else []
-    if len(trial):
+    if len(starts):
         _compile_lists()
-        found[trial] = listed(starts[trial])
+        trial = np.unique(np.linspace(0, len(starts) - 1, _TRIED).astype(int))
+        listed(trial, 1, unwatched)
         if (found[trial] >= 0).mean() > 0.5:
-            missing = np.flatnonzero(found < 0)
-            missing = np.setdiff1d(missing, trial)
+            rest = np.ones(len(starts), bool)
+            rest[trial] = False
             watch = watched(question.horizon, asked.horizon, gib, question.limits, question.tell)
-            found[missing] = listed(starts[missing], watch)
+            listed(np.flatnonzero(rest), asked.threads, watch)
     long = np.flatnonzero(found < 0)
     if len(long):
         graph = Graph.of(asked.table) if graph is None else graph

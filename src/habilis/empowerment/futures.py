@@ -19,6 +19,7 @@ from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
 
+_LONG = 1000  # actions above which the cost is estimated before the start
 _UNUSED = 1e-9  # sequences with less probability are left out
 
 
@@ -92,16 +93,19 @@ def futures(
         (array([2, 4, 6]), array([0.333, 0.333, 0.333]))
     """
     from habilis.empowerment.beliefs import TooManyBeliefsError
-    from habilis.empowerment.effort import Limits, most_entries, too_much
+    from habilis.empowerment.effort import check_effort, most_entries
+    from habilis.empowerment.limits import MAX_SECONDS, Limits, too_much
     from habilis.empowerment.open_loop import exact, problem_of
 
     horizon, scale = whole_number("horizon", horizon), per_bit(unit)
     tolerance = checked_tolerance(tolerance) / scale
-    limits = Limits(positive("max_gib", max_gib), np.inf)
+    limits = Limits(positive("max_gib", max_gib), MAX_SECONDS)
     used = chosen_actions(mdp, actions)
     start = int(chosen_states(mdp, [state])[0])
     most = most_entries(limits, 1)
     problem = problem_of(mdp, horizon, sensor, used, tolerance, most)
+    if horizon > _LONG:
+        check_effort(problem, np.array([start]), 1, limits)
     try:
         beliefs, answer = exact(problem, start)
     except TooManyBeliefsError as error:

@@ -9,7 +9,14 @@ from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import chosen_actions, chosen_states, per_bit, whole_number
 from habilis.empowerment.core import Options, bits_of, empowerment, question_of
-from habilis.empowerment.limits import MAX_GIB, MAX_SECONDS, Limits
+from habilis.empowerment.limits import (
+    MAX_GIB,
+    MAX_SECONDS,
+    Limits,
+    check_memory,
+    unwatched,
+    watched,
+)
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.processors import processors
@@ -51,9 +58,7 @@ def empowerment_by_horizon(
     horizon = whole_number("horizon", horizon)
     sampled = options.get("method", "exact") != "exact"
     if mdp.is_stochastic or is_noisy(sensor) or sampled:
-        asked = range(horizon, -1, -1)  # the largest first: what takes too long is refused at once
-        found = [empowerment(mdp, h, sensor, actions, states, **options) for h in asked]
-        return np.stack(found[::-1])
+        return _each(mdp, horizon, sensor, actions, states, options)
     empowerment(mdp, 0, sensor, actions, [], **options)  # says what is wrong with any option
     from habilis.empowerment.deterministic import counts_by_horizon
 
@@ -65,3 +70,24 @@ def empowerment_by_horizon(
         question = question_of(mdp, horizon, sensor, used, starts, threads, limits, tell)
         counts = counts_by_horizon(question)
     return bits_of(counts) * per_bit(options.get("unit", "bits"))
+
+
+def _each(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Sequence[int] | None,
+    states: ArrayLike | None,
+    options: Options,
+) -> Float64[np.ndarray, "h+1 n"]:
+    """Horizon by horizon, the largest first: what takes too long is refused at once."""
+    limits = Limits(options.get("max_gib", MAX_GIB), options.get("max_seconds", MAX_SECONDS))
+    row = 8 * max(len(chosen_states(mdp, states)), 1)
+    gib = row * (horizon + 1) / 2**30
+    watch = watched(horizon, horizon, gib, limits, unwatched)
+    found = []
+    for h in range(horizon, -1, -1):
+        found.append(empowerment(mdp, h, sensor, actions, states, **options))
+        check_memory(gib, int(min(limits.gib * 2**30, 2**62)) // row - 1, horizon, limits)
+        watch(len(found) / (horizon + 1))
+    return np.stack(found[::-1])

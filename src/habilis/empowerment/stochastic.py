@@ -13,6 +13,7 @@ from habilis.empowerment.limits import Limits, too_much
 from habilis.empowerment.open_loop import Answer, Problem, exact, sampled
 
 Bits = Float64[np.ndarray, "n"]
+_LONG = 64  # actions above which fewer with the same outcomes are looked for
 Tell = Callable[[int, int], None]
 """Receives how many states are done, and how many there are."""
 
@@ -33,6 +34,7 @@ def certified_bits(
     Raises:
         ValueError: it would take more than the limits; see `effort.check_effort`.
     """
+    problem = _soonest(problem)
     check_effort(problem, starts, threads, limits)
     at_once = min(threads, len(starts)) or 1
     problem = replace(problem, most_entries=most_entries(limits, at_once))
@@ -44,6 +46,17 @@ def certified_bits(
             raise too_much(problem.horizon, error.horizon, limits) from None
 
     return _for_all(answer, starts, threads, tell)
+
+
+def _soonest(problem: Problem) -> Problem:
+    """The problem with the least known horizon of the same outcomes, where these are certain."""
+    if not problem.successors.certain or problem.horizon <= _LONG:
+        return problem
+    from habilis.empowerment.eventual import same_horizon
+    from habilis.empowerment.spreading import Graph
+
+    table = problem.successors.state.reshape(-1, problem.successors.actions)
+    return replace(problem, horizon=same_horizon(Graph.of(table), problem.horizon))
 
 
 def lower_bounds(
