@@ -12,6 +12,7 @@ from habilis.cli_arguments import COMPARED, OPTIONS, PREFIX, Args, Verb, parser
 from habilis.cli_learning import plot, study, sweep, train, watch
 from habilis.cli_output import console, print_json, refuse, save
 from habilis.extras import MissingExtraError, import_from
+from habilis.progress import progress_bar
 from habilis.worlds.map_writing import header_of
 from habilis.worlds.moving import Where, elsewhere
 from habilis.worlds.placements import start_of
@@ -61,7 +62,8 @@ def worlds(args: Args) -> int:
     if args.out is not None:
         from habilis.worlds.pictures import save_picture
 
-        save(args.out, lambda path: save_picture(world, path))
+        with progress_bar("drawing", _shows_progress(args)):
+            save(args.out, lambda path: save_picture(world, path))
     header = header_of(world)
     if args.json:
         told = {"name": world.name, "height": world.height, "width": world.width}
@@ -83,7 +85,8 @@ def worlds(args: Args) -> int:
 def solve(args: Args) -> int:
     world = check_certain(load_world(args.world, args.tool))
     mdp = habilis.tabulate(world, show_progress=_shows_progress(args))
-    plan = habilis.solve(mdp)
+    with progress_bar("solving", _shows_progress(args)):
+        plan = habilis.solve(mdp)
     if args.json:
         print_json(
             {"steps": None, "return": None, "actions": None}
@@ -103,6 +106,7 @@ def empowerment(args: Args) -> int:
 
     mdp = _table(args)
     options: Any = {name: getattr(args, name) for name in OPTIONS}
+    options["show_progress"] = _shows_progress(args)
     values, gap = habilis.empowerment(
         mdp, args.horizon, args.sensor, _actions(args.actions), return_gap=True, **options
     )
@@ -165,9 +169,11 @@ def landscape(args: Args) -> int:
         tool=_where(world, "tool", args.tool_at),
         object=_where(world, "object", args.object_at),
         unit=args.unit,
+        show_progress=_shows_progress(args),
     )
     if args.out is not None:
-        save(args.out, found.save)
+        with progress_bar("drawing", _shows_progress(args)):
+            save(args.out, found.save)
     if args.json:
         rows = [[None if np.isnan(v) else v for v in row] for row in found.values.tolist()]
         return print_json({"values": rows})
@@ -214,9 +220,10 @@ def compare(args: Args) -> int:
         named = ", ".join(thing.name for thing in world.objects)
         raise ValueError(f"{world.name} has several objects, {named}; add --pairs for each of them")
     tools = COMPARED if args.tools is None else args.tools
-    averages = measure(world, tools, args.horizon, args.slip, unit=args.unit)
+    how: Any = {"unit": args.unit, "show_progress": _shows_progress(args)}
+    averages = measure(world, tools, args.horizon, args.slip, **how)
     verdicts = {
-        tool: usefulness(world.with_tool(tool), args.horizon, args.slip, unit=args.unit)
+        tool: usefulness(world.with_tool(tool), args.horizon, args.slip, **how)
         for tool in averages
         if tool != NO_TOOL
     }
@@ -259,12 +266,13 @@ def futures(args: Args) -> int:
         object=_where(world, "object", args.object_at),
     )
     if world.several:
-        mdp = reachable(world, start_of(world), max(args.horizon, 0))[0].slippery(args.slip)
+        steps = max(args.horizon, 0)
+        mdp = reachable(world, start_of(world), steps, show_progress=_shows_progress(args))[0]
+        mdp = mdp.slippery(args.slip)
     else:
-        mdp = habilis.tabulate(world, args.slip)
-    found = measure(
-        mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), unit=args.unit
-    )
+        mdp = habilis.tabulate(world, args.slip, show_progress=_shows_progress(args))
+    how: Any = {"unit": args.unit, "show_progress": _shows_progress(args)}
+    found = measure(mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), **how)
     if args.out is not None:
         from habilis.worlds.pictures import save_figure
 
@@ -273,8 +281,9 @@ def futures(args: Args) -> int:
             raise ValueError(
                 f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
             )
-        figure = futures_figure(world, mdp, found, args.sensor)
-        save(args.out, lambda path: save_figure(figure, path))
+        with progress_bar("drawing", _shows_progress(args)):
+            figure = futures_figure(world, mdp, found, args.sensor)
+            save(args.out, lambda path: save_figure(figure, path))
     if args.json:
         return print_json(
             {

@@ -223,8 +223,9 @@ def test_time_is_limited_where_nothing_is_noisy_too(sensor, by_horizon):
     mdp = hb.tabulate(hb.load_world("yard"))
     measure = empowerment_by_horizon if by_horizon else hb.empowerment
     with pytest.raises(
-        ValueError, match=r"horizon 60 takes about \S+ GiB and \S+ s; the limits are 8 GiB and .*"
-        r"the largest horizon that fits is \d+: use it, raise max_gib or max_seconds"
+        ValueError,
+        match=r"horizon 60 takes about \S+ GiB and \S+ s; the limits are 8 GiB and .*"
+        r"the largest horizon that fits is \d+: use it, raise max_gib or max_seconds",
     ) as refused:
         measure(mdp, 60, sensor, max_seconds=1e-4)
     assert refused.value.fitting < 60

@@ -82,7 +82,9 @@ def check_samples(
     followed(problem.successors, start, drawn)
     each = (time.thread_time() - began) / drawn.size
     states = len(np.unique(starts))
-    one = np.array([8.0 * samples * min(threads, states) / 2**30, each * samples * states / threads])
+    one = np.array(
+        [8.0 * samples * min(threads, states) / 2**30, each * samples * states / threads]
+    )
     gib, seconds = horizon * one
     if gib > limits.gib or seconds > limits.seconds:
         fitting = int((np.array([limits.gib, limits.seconds]) / np.maximum(one, 1e-300)).min())

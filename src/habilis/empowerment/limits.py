@@ -76,9 +76,7 @@ def check_memory(gib: float, fitting: int, horizon: int, limits: Limits) -> None
         raise too_much(horizon, fitting, limits, f"takes about {gib:.3g} GiB")
 
 
-def watched(
-    horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
-) -> Progress:
+def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress) -> Progress:
     """A function to call with the share done: it refuses what turns out to take too long.
 
     The first moments of a computation are its own trial: from the share that they did follows the

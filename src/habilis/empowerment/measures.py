@@ -8,6 +8,7 @@ import numpy as np
 
 from habilis.empowerment.core import Options, empowerment
 from habilis.mdp import TabularMDP
+from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import NO_TOOL, World
@@ -103,10 +104,14 @@ def compare(
         raise ValueError(
             f"two of the tools have one name, of {', '.join(worlds)}; compare each alone"
         )
-    return {
-        name: average_empowerment(tabulate(other, slip), horizon, "object", **options)
-        for name, other in worlds.items()
-    }
+    averages = {}
+    show = options.get("show_progress", False)
+    with progress_bar("tools", show) as tell:
+        for done, (name, other) in enumerate(worlds.items()):
+            tell(done, len(worlds))
+            mdp = tabulate(other, slip, show_progress=show)
+            averages[name] = average_empowerment(mdp, horizon, "object", **options)
+    return averages
 
 
 def ranking(averages: Mapping[str, float]) -> list[str]:

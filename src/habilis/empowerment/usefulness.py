@@ -77,7 +77,9 @@ def usefulness(
     """
     if world.tool == NO_TOOL:
         raise ValueError(f"{world.name} has no tool to judge; give it one, as with_tool('broom')")
-    mdp, bare = tabulate(held(world), slip), tabulate(world.with_tool(NO_TOOL), slip)
+    show = options.get("show_progress", False)
+    mdp = tabulate(held(world), slip, show_progress=show)
+    bare = tabulate(world.with_tool(NO_TOOL), slip, show_progress=show)
     states = np.flatnonzero(compared_states(mdp))
     with_tool = empowerment(mdp, horizon, "object", states=states, **options)
     alone, gap = empowerment(bare, horizon, "object", return_gap=True, **options)
