@@ -321,7 +321,7 @@ def test_a_map_too_large_for_its_table_has_a_landscape(tmp_path: Path, capsys):
     [{"tool": (50, 52)}, {"object": (50, 51)}, {"tool": (200, 0)}, {"object": (-1, 0)}],
 )
 def test_on_a_large_map_too_things_need_free_cells(moved: dict):
-    with pytest.raises(ValueError, match="cell|cells"):
+    with pytest.raises(ValueError, match="cell"):
         hb.landscape(hb.World.parse(large_map(), "large"), 1, "object", **moved)
 
 

@@ -15,6 +15,7 @@ from habilis.empowerment.counting import count_backward, count_forward
 from habilis.empowerment.deterministic import Question, counts, counts_by_horizon
 from habilis.empowerment.eventual import same_horizon
 from habilis.empowerment.horizons import empowerment_by_horizon
+from habilis.empowerment.limits import TooMuchError
 from habilis.empowerment.spreading import Graph
 from habilis.empowerment.windows import count_in_window, window_of
 
@@ -200,7 +201,10 @@ def disjoint_rings(lengths: list[int]) -> hb.TabularMDP:
     """Sets whose period is the least common multiple: from the last state each ring is entered."""
     first = np.cumsum([0, *lengths])
     table = np.concatenate(
-        [np.tile((np.arange(n)[:, None] + 1) % n + f, len(lengths)) for n, f in zip(lengths, first)]
+        [
+            np.tile((np.arange(n)[:, None] + 1) % n + f, len(lengths))
+            for n, f in zip(lengths, first[:-1], strict=True)
+        ]
     )
     return hb.TabularMDP.deterministic(np.vstack([table, first[:-1]]))
 
@@ -223,7 +227,7 @@ def test_time_is_limited_where_nothing_is_noisy_too(sensor, by_horizon):
     mdp = hb.tabulate(hb.load_world("yard"))
     measure = empowerment_by_horizon if by_horizon else hb.empowerment
     with pytest.raises(
-        ValueError,
+        TooMuchError,
         match=r"horizon 60 takes about \S+ GiB and \S+ s; the limits are 8 GiB and .*"
         r"the largest horizon that fits is \d+: use it, raise max_gib or max_seconds",
     ) as refused:
@@ -245,7 +249,7 @@ def test_memory_is_foreseen_and_not_taken_where_nothing_is_noisy_too(sensor):
 
 def test_the_largest_horizon_whose_neighbourhood_fits_is_named():
     line = hb.TabularMDP.deterministic(np.clip(np.arange(9000)[:, None] + [-1, 1], 0, 8999))
-    with pytest.raises(ValueError, match="the largest horizon that fits is") as refused:
+    with pytest.raises(TooMuchError, match="the largest horizon that fits is") as refused:
         hb.empowerment(line, 4000, states=[4500], max_gib=1e-3)
     fitting = refused.value.fitting
     assert 0 < fitting < 4000
@@ -254,7 +258,7 @@ def test_the_largest_horizon_whose_neighbourhood_fits_is_named():
 
 def test_rows_for_too_many_horizons_are_refused():
     mdp = hb.TabularMDP.deterministic([[0, 1], [1, 0]])
-    with pytest.raises(ValueError, match="the largest horizon that fits is") as refused:
+    with pytest.raises(TooMuchError, match="the largest horizon that fits is") as refused:
         empowerment_by_horizon(mdp, 10**9, "state")
     assert 10**6 < refused.value.fitting < 10**9
     assert empowerment_by_horizon(mdp, 10**5, "state")[-1].tolist() == [1, 1]

@@ -152,7 +152,7 @@ def test_every_wall_is_drawn_in_its_cell_and_nowhere_else():
     ax.clear()
     draw_world(ax, ROOM, background=False)
     walls = ax.collections[: len(ax.collections) - rest + 2]
-    drawn = {(y, x) for areas in walls for x, y in areas.get_offsets().tolist()}
+    drawn = {(y, x) for areas in walls for x, y in np.asarray(areas.get_offsets()).tolist()}
     assert drawn >= {(float(row), float(column)) for row, column in ROOM.walls}
 
 

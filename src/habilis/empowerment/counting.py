@@ -11,7 +11,7 @@ bits again, a block of columns at a time: a column for each label, carried backw
 states that show it, or for each state asked about, carried forward to all that it reaches.
 """
 
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 
 import numpy as np
 from jaxtyping import Int32, Int64, UInt64
@@ -19,7 +19,7 @@ from numba import njit
 
 from habilis.empowerment.blocks import in_blocks, in_turn
 from habilis.empowerment.limits import Progress, unwatched
-from habilis.empowerment.recurring import FIRST_LOOK, recurring
+from habilis.empowerment.recurring import FIRST_LOOK, last_of, recurring
 
 _WORD = 64
 _FEW_WORDS = 4
@@ -40,11 +40,8 @@ def count_backward(
     Stops at a fixed point, and goes on from a period with the remainder of the horizon. Memory:
     three sets of ceil(labels / 64) words of 8 bytes a state.
     """
-    sets = None
-    for sets, left in sets_backward(next_state, labels, label_count, horizon, threads):
-        watch(1 - left / max(horizon, 1))
-    assert sets is not None, "there are the sets of no action at least"
-    return sizes(sets)
+    grown = sets_backward(next_state, labels, label_count, horizon, threads)
+    return sizes(last_of(grown, horizon, watch))
 
 
 def sizes(sets: UInt64[np.ndarray, "n W"]) -> Int64[np.ndarray, "n"]:

@@ -9,7 +9,6 @@ can be exchanged for a smaller one with exactly the same sets.
 from math import lcm
 
 import numpy as np
-from jaxtyping import Int32, Int64
 from numba import njit
 
 from habilis.empowerment.spreading import Graph

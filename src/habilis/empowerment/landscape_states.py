@@ -84,7 +84,7 @@ def _reached(
         cells = [*apart, *(cell for cell in beside if cell in there)]
         if tool in world.walls or object in world.walls or tool == object:
             cells = []
-    names = dict(tool=tool, object=object) if world.tools else dict(object=object)
+    names = {"tool": tool, "object": object} if world.tools else {"object": object}
     if not cells:
         raise _nowhere(tool, object)
     try:

@@ -11,6 +11,8 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Int64
 
+from habilis.empowerment.limits import Progress, unwatched
+
 T = TypeVar("T", bound=np.ndarray)
 
 FIRST_LOOK = 16
@@ -67,6 +69,17 @@ def recurring(
             kept_at, keep_at = time, next_look(time)
         yield sets, end - time
     return period
+
+
+def last_of(
+    sets: Generator[tuple[T, int], None, int], horizon: int, watch: Progress = unwatched
+) -> T:
+    """The last of what `recurring` gives; `watch` is called with the share that is done."""
+    last, left = next(sets)
+    for now, left in sets:
+        last = now
+        watch(1 - left / max(horizon, 1))
+    return last
 
 
 def repeated(horizon: int, last: int, period: int) -> Int64[np.ndarray, "h+1"]:

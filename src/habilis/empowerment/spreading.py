@@ -1,4 +1,4 @@
-"""Sets that spread through a graph, many columns of bits at a time: the kernel that counting shares.
+"""Sets that spread through a graph, many columns of bits at a time.
 
 Every node has a set, a bit a column, and a step gives each node the union of its neighbours' sets,
 
@@ -12,6 +12,7 @@ repeat, only the remainder of the horizon matters.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Int32, Int64, UInt64
@@ -196,8 +197,7 @@ def _begin(sets, lists, state, nodes, columns):
     state[_RETAKE] = FIRST_LOOK
 
 
-@intrinsic
-def _union(typing, index, begin, end, sets, s, out, k):  # noqa: PLR0913, PLR0917
+def _union_code(typing, index, begin, end, sets, s, out, k):
     """out[k] = union of sets[index[begin:end]]; says if that differs from sets[s].
 
     A row of eight words is one vector: written with loops over words, compilers keep to single
@@ -243,6 +243,9 @@ def _union(typing, index, begin, end, sets, s, out, k):  # noqa: PLR0913, PLR091
         return builder.icmp_unsigned("!=", difference, ir.Constant(bits, 0))
 
     return signature, generate
+
+
+_union: Any = intrinsic(_union_code)
 
 
 @njit(cache=True, nogil=True)
@@ -354,11 +357,13 @@ def _sizes(sets, touched):
     return sizes
 
 
-@intrinsic
-def _ones(typing, word):
+def _ones_code(typing, word):
     """How many bits of a word are set."""
 
     def generate(context, builder, signature, args):
         return builder.ctpop(args[0])
 
     return types.uint64(types.uint64), generate
+
+
+_ones: Any = intrinsic(_ones_code)

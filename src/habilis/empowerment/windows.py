@@ -13,7 +13,7 @@ from numba import njit
 
 from habilis.empowerment.blocks import in_blocks
 from habilis.empowerment.limits import Progress, unwatched
-from habilis.empowerment.recurring import recurring
+from habilis.empowerment.recurring import last_of, recurring
 
 _WORD = 64
 _WORTHWHILE = 16  # words of the whole map up to which it is as fast without a window
@@ -124,10 +124,9 @@ def count_in_window(
         )
         return any(changed)
 
-    for sets, left in recurring(step, sets, horizon):
-        watch(1 - left / max(horizon, 1))
+    last = last_of(recurring(step, sets, horizon), horizon, watch)
     counted = in_blocks(
-        lambda a, b: np.bitwise_count(sets[a:b]).sum(axis=1, dtype=np.int64),
+        lambda a, b: np.bitwise_count(last[a:b]).sum(axis=1, dtype=np.int64),
         len(row),
         window.words,
         threads,

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from jaxtyping import Float64, UInt8
@@ -234,7 +234,7 @@ def repeated(
 
     However many cells there are, this is as quick to make as one, and its files stay small.
     """
-    places = AffineDeltaTransform(ax.transData)
+    places = AffineDeltaTransform(cast("Any", ax.transData))
     offsets = cells[:, ::-1]
     return PolyCollection(
         [shape.points], offsets=offsets, offset_transform=places, linewidths=0, snap=False, **looks
