@@ -14,8 +14,9 @@ from habilis.empowerment.columns import Columns, count_columns, count_every_hori
 from habilis.empowerment.counting import count_backward, count_forward
 from habilis.empowerment.deterministic import Question, counts, counts_by_horizon
 from habilis.empowerment.eventual import same_horizon
+from habilis.empowerment.futures import futures
 from habilis.empowerment.horizons import empowerment_by_horizon
-from habilis.empowerment.limits import TooMuchError
+from habilis.empowerment.limits import Limits, TooMuchError, watched
 from habilis.empowerment.spreading import Graph
 from habilis.empowerment.windows import count_in_window, window_of
 
@@ -267,3 +268,66 @@ def test_rows_for_too_many_horizons_are_refused():
 def test_no_action_always_fits():
     mdp = hb.tabulate(hb.load_world("yard"))
     assert not hb.empowerment(mdp, 0, max_gib=1e-9, max_seconds=1e-9).any()
+
+
+# With noise
+
+
+@pytest.mark.parametrize("options", [{}, {"method": "sampled"}, {"states": [0]}])
+def test_endless_beliefs_and_samples_are_refused_at_once(options):
+    mdp = hb.tabulate(hb.World.parse("A.C\n.PG"), slip=0.2)
+    for horizon in (10**9, 2**31 - 1):
+        tracemalloc.start()
+        with pytest.raises(TooMuchError, match=rf"horizon {horizon} takes about") as refused:
+            hb.empowerment(mdp, horizon, "object", **options)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < 100e6
+        assert 0 <= refused.value.fitting < horizon
+
+
+def test_a_single_belief_that_goes_on_for_ever_is_refused_too():
+    chain = hb.TabularMDP.stochastic(np.array([[[0.5, 0.5]], [[0.1, 0.9]]]))
+    with pytest.raises(TooMuchError, match="the largest horizon that fits is") as refused:
+        hb.empowerment(chain, 10**9)
+    assert refused.value.fitting > 10**4
+    assert hb.empowerment(chain, 3000).tolist() == [0, 0]
+
+
+def test_futures_of_endless_sequences_are_refused_and_of_long_ones_given():
+    mdp = hb.TabularMDP.deterministic([[0, 1], [1, 0]])
+    with pytest.raises(TooMuchError, match="the largest horizon that fits is"):
+        futures(mdp, 0, 10**9)
+    found = futures(mdp, 0, 1500)
+    assert found.empowerment == 1
+    assert found.sequences.shape == (2, 1500)
+
+
+@settings(deadline=None, max_examples=40)
+@given(graphs(), st.integers(65, 2**31 - 1), st.integers(0, 2**32 - 1))
+def test_a_noisy_sensor_of_certain_states_has_any_horizon(table, horizon, seed):
+    rng = np.random.default_rng(seed)
+    sensor = rng.dirichlet(np.ones(3), size=len(table))
+    mdp = hb.TabularMDP.deterministic(table)
+    start = int(rng.integers(len(table)))
+    bits, gap = hb.empowerment(mdp, horizon, sensor, states=[start], return_gap=True)
+    reached = power(one_step(table), horizon)[start]
+    expected = hb.capacity(sensor[reached])
+    assert bits[0] <= expected.bits + expected.gap + 1e-9
+    assert expected.bits <= bits[0] + gap[0] + 1e-9
+
+
+def test_all_horizons_with_noise_need_room_for_their_rows():
+    with pytest.raises(TooMuchError, match="the largest horizon that fits is"):
+        empowerment_by_horizon(
+            hb.TabularMDP.deterministic([[0, 1], [1, 0]]), 10**9, [[0.9, 0.1], [0.2, 0.8]]
+        )
+
+
+def test_a_limit_of_time_is_for_all_states_and_not_for_one():
+    """The work is estimated from its share: nothing known yet refuses nothing."""
+    watch = watched(100, 100, 0.5, Limits(8, 1e-9), lambda share: None)
+    watch(0.0)
+    watch(1.0)
+    with pytest.raises(TooMuchError, match=r"takes about 0.5 GiB and \S+ s; the limits are 8 GiB"):
+        watch(0.25)
