@@ -331,3 +331,10 @@ def test_a_limit_of_time_is_for_all_states_and_not_for_one():
     watch(1.0)
     with pytest.raises(TooMuchError, match=r"takes about 0.5 GiB and \S+ s; the limits are 8 GiB"):
         watch(0.25)
+
+
+def test_the_horizon_that_is_refused_is_the_one_that_was_asked_for():
+    line = hb.TabularMDP.deterministic(np.clip(np.arange(9000)[:, None] + [-1, 1], 0, 8999))
+    with pytest.raises(TooMuchError, match=r"horizon 1000000000 takes about \S+ GiB") as refused:
+        hb.empowerment(line, 10**9, max_gib=2e-3)
+    assert refused.value.horizon == 10**9

@@ -80,7 +80,7 @@ def counts(question: Question) -> Counts:
         return (asked.labels >= 0).astype(np.int64)[place]
     steps, graph = asked.horizon, None
     if steps > _LONG and asked.table.size * steps > _TRIFLE:
-        _check(asked, levels, _graph_bytes(asked))
+        _check(question.horizon, asked, levels, _graph_bytes(asked))
         graph = Graph.of(asked.table)
         steps = same_horizon(graph, steps)
     asked = replace(asked, horizon=steps)
@@ -89,7 +89,9 @@ def counts(question: Question) -> Counts:
         if found is not None:
             return found[place]
     if asked.label_count <= MOST_PACKED_LABELS:
-        gib = _check(asked, levels, _packed_bytes(asked, -(-asked.label_count // 64)))
+        gib = _check(
+            question.horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64))
+        )
         _compile_packed()
         watch = watched(horizon, steps, gib, question.limits, question.tell)
         return count_backward(
@@ -112,7 +114,9 @@ def counts_by_horizon(question: Question) -> Int64[np.ndarray, "h+1 n"]:
     check_memory(gib, int(min(limits.gib * _GIB, 2**62)) // row - 1, horizon, limits)
     rows: list[Counts] = []
     if asked.label_count <= MOST_PACKED_LABELS:
-        gib += _check(asked, levels, _packed_bytes(asked, -(-asked.label_count // 64)))
+        gib += _check(
+            question.horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64))
+        )
         _compile_packed()
         watch = watched(horizon, horizon, gib, limits, question.tell)
         sets = sets_backward(
@@ -129,7 +133,7 @@ def counts_by_horizon(question: Question) -> Int64[np.ndarray, "h+1 n"]:
             watch((len(rows) - 1) / max(horizon, 1))
         return np.stack(rows)[repeated(horizon, len(rows) - 1, period)]
     columns = Columns.of(asked.labels, asked.label_count, None)
-    gib += _check(asked, levels, _columns_bytes(asked, columns))
+    gib += _check(question.horizon, asked, levels, _columns_bytes(asked, columns))
     _compile_columns(False)
     watch = watched(horizon, horizon, gib, limits, question.tell)
     return count_every_horizon(
@@ -239,7 +243,7 @@ def _in_window(question: Question, asked: Question, levels: Counts) -> Counts | 
     words = min(-(-cells // 64), MOST_PACKED_LABELS // 64)
     limits, steps, table, threads = question.limits, asked.horizon, asked.table, asked.threads
     shown = asked.labels >= 0
-    gib = _check(asked, levels, lambda states: 24.0 * states)
+    gib = _check(question.horizon, asked, levels, lambda states: 24.0 * states)
     _compile_window()
     watch = watched(question.horizon, steps, gib, limits, question.tell)
     # Shifting a word takes twice as long as uniting two, so half of them must be saved.
@@ -248,7 +252,7 @@ def _in_window(question: Question, asked: Question, levels: Counts) -> Counts | 
     )
     if window is None:
         return None
-    gib = _check(asked, levels, _window_bytes(asked, window))
+    gib = _check(question.horizon, asked, levels, _window_bytes(asked, window))
     watch = watched(question.horizon, steps, gib, limits, question.tell)
     return count_in_window(table, row, column, steps, window, threads, shown=shown, watch=watch)
 
@@ -261,7 +265,7 @@ def _of_many_labels(
     if question.starts is not None:
         starts, where = np.unique(place, return_inverse=True)
     columns = Columns.of(asked.labels, asked.label_count, starts)
-    gib = _check(asked, levels, _columns_bytes(asked, columns))
+    gib = _check(question.horizon, asked, levels, _columns_bytes(asked, columns))
 
     def listed(chosen: Counts, threads: int, watch: Progress) -> None:
         found[chosen] = count_forward(
@@ -312,7 +316,7 @@ def _first_half(watch: Progress) -> Progress:
 # What it takes, in bytes, by how many states there are.
 
 
-def _check(asked: Question, levels: Counts, memory: Callable[[int], float]) -> float:
+def _check(horizon: int, asked: Question, levels: Counts, memory: Callable[[int], float]) -> float:
     """The memory in GiB, unless it is above the limit.
 
     Raises:
@@ -321,7 +325,7 @@ def _check(asked: Question, levels: Counts, memory: Callable[[int], float]) -> f
     gib = memory(len(asked.table)) / _GIB
     if gib > asked.limits.gib:
         small = [memory(int(states)) / _GIB <= asked.limits.gib for states in levels]
-        check_memory(gib, max(sum(small) - 1, 0), asked.horizon, asked.limits)
+        check_memory(gib, max(sum(small) - 1, 0), horizon, asked.limits)
     return gib
 
 
