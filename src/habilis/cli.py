@@ -10,7 +10,7 @@ import numpy as np
 import habilis
 from habilis.cli_arguments import COMPARED, OPTIONS, PREFIX, Args, Verb, parser
 from habilis.cli_learning import plot, study, sweep, train, watch
-from habilis.cli_output import console, print_json, refuse, save
+from habilis.cli_output import console, print_json, refuse, save, shows_progress
 from habilis.extras import MissingExtraError, import_from
 from habilis.progress import progress_bar
 from habilis.worlds.map_writing import header_of
@@ -62,7 +62,7 @@ def worlds(args: Args) -> int:
     if args.out is not None:
         from habilis.worlds.pictures import save_picture
 
-        with progress_bar("drawing", _shows_progress(args)):
+        with progress_bar("drawing", shows_progress(args)):
             save(args.out, lambda path: save_picture(world, path))
     header = header_of(world)
     if args.json:
@@ -84,8 +84,8 @@ def worlds(args: Args) -> int:
 
 def solve(args: Args) -> int:
     world = check_certain(load_world(args.world, args.tool))
-    mdp = habilis.tabulate(world, show_progress=_shows_progress(args))
-    with progress_bar("solving", _shows_progress(args)):
+    mdp = habilis.tabulate(world, show_progress=shows_progress(args))
+    with progress_bar("solving", shows_progress(args)):
         plan = habilis.solve(mdp)
     if args.json:
         print_json(
@@ -106,7 +106,7 @@ def empowerment(args: Args) -> int:
 
     mdp = _table(args)
     options: Any = {name: getattr(args, name) for name in OPTIONS}
-    options["show_progress"] = _shows_progress(args)
+    options["show_progress"] = shows_progress(args)
     values, gap = habilis.empowerment(
         mdp, args.horizon, args.sensor, _actions(args.actions), return_gap=True, **options
     )
@@ -142,18 +142,14 @@ def _table(args: Args) -> habilis.TabularMDP:
     if not args.world.startswith(PREFIX):
         world = load_world(args.world, args.tool)
         limit = MAX_STATES if args.max_states is None else args.max_states
-        show = _shows_progress(args)
+        show = shows_progress(args)
         return habilis.tabulate(world, args.slip, max_states=limit, show_progress=show)
     if args.tool is not None:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
     from habilis.gymnasium_tables import table_named
 
-    mdp = table_named(args.world.removeprefix(PREFIX), args.max_states, _shows_progress(args))
+    mdp = table_named(args.world.removeprefix(PREFIX), args.max_states, shows_progress(args))
     return mdp.slippery(args.slip) if args.slip else mdp
-
-
-def _shows_progress(args: Args) -> bool:
-    return sys.stderr.isatty() and not args.json
 
 
 def landscape(args: Args) -> int:
@@ -169,10 +165,10 @@ def landscape(args: Args) -> int:
         tool=_where(world, "tool", args.tool_at),
         object=_where(world, "object", args.object_at),
         unit=args.unit,
-        show_progress=_shows_progress(args),
+        show_progress=shows_progress(args),
     )
     if args.out is not None:
-        with progress_bar("drawing", _shows_progress(args)):
+        with progress_bar("drawing", shows_progress(args)):
             save(args.out, found.save)
     if args.json:
         rows = [[None if np.isnan(v) else v for v in row] for row in found.values.tolist()]
@@ -220,7 +216,7 @@ def compare(args: Args) -> int:
         named = ", ".join(thing.name for thing in world.objects)
         raise ValueError(f"{world.name} has several objects, {named}; add --pairs for each of them")
     tools = COMPARED if args.tools is None else args.tools
-    how: Any = {"unit": args.unit, "show_progress": _shows_progress(args)}
+    how: Any = {"unit": args.unit, "show_progress": shows_progress(args)}
     averages = measure(world, tools, args.horizon, args.slip, **how)
     verdicts = {
         tool: usefulness(world.with_tool(tool), args.horizon, args.slip, **how)
@@ -267,11 +263,11 @@ def futures(args: Args) -> int:
     )
     if world.several:
         steps = max(args.horizon, 0)
-        mdp = reachable(world, start_of(world), steps, show_progress=_shows_progress(args))[0]
+        mdp = reachable(world, start_of(world), steps, show_progress=shows_progress(args))[0]
         mdp = mdp.slippery(args.slip)
     else:
-        mdp = habilis.tabulate(world, args.slip, show_progress=_shows_progress(args))
-    how: Any = {"unit": args.unit, "show_progress": _shows_progress(args)}
+        mdp = habilis.tabulate(world, args.slip, show_progress=shows_progress(args))
+    how: Any = {"unit": args.unit, "show_progress": shows_progress(args)}
     found = measure(mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), **how)
     if args.out is not None:
         from habilis.worlds.pictures import save_figure
@@ -281,7 +277,7 @@ def futures(args: Args) -> int:
             raise ValueError(
                 f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
             )
-        with progress_bar("drawing", _shows_progress(args)):
+        with progress_bar("drawing", shows_progress(args)):
             figure = futures_figure(world, mdp, found, args.sensor)
             save(args.out, lambda path: save_figure(figure, path))
     if args.json:

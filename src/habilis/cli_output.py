@@ -2,6 +2,7 @@
 
 import json
 import sys
+from argparse import Namespace
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,11 @@ def save(path: Path, write: Callable[[Path], Any]) -> None:
         write(path)
     except OSError as error:
         raise ValueError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+def shows_progress(args: Namespace) -> bool:
+    """Whether a verb draws progress bars: on a terminal, unless a machine reads what it prints."""
+    return sys.stderr.isatty() and not args.json
 
 
 def console() -> "Console":
