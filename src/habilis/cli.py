@@ -10,8 +10,17 @@ import numpy as np
 import habilis
 from habilis.cli_arguments import OPTIONS, PREFIX, Args, Verb, compared, in_flags, parser
 from habilis.cli_learning import plot, study, sweep, train, watch
-from habilis.cli_output import check_outputs, console, lower_bounds, print_json, refuse, save
+from habilis.cli_output import (
+    check_outputs,
+    console,
+    lower_bounds,
+    print_json,
+    refuse,
+    save,
+    shows_progress,
+)
 from habilis.extras import MissingExtraError, import_from
+from habilis.progress import progress_bar
 from habilis.worlds.map_writing import header_of
 from habilis.worlds.moving import Where, elsewhere
 from habilis.worlds.placements import start_of
@@ -67,7 +76,8 @@ def worlds(args: Args) -> int:
     if args.out is not None:
         from habilis.worlds.pictures import save_picture
 
-        save(args.out, lambda path: save_picture(world, path))
+        with progress_bar("drawing", shows_progress(args)):
+            save(args.out, lambda path: save_picture(world, path))
     header = header_of(world)
     if args.json:
         told = {"name": world.name, "height": world.height, "width": world.width}
@@ -88,8 +98,9 @@ def worlds(args: Args) -> int:
 
 def solve(args: Args) -> int:
     world = check_certain(load_world(args.world, args.tool))
-    mdp = habilis.tabulate(world, max_states=_most(args), show_progress=_shows_progress(args))
-    plan = habilis.solve(mdp)
+    mdp = habilis.tabulate(world, max_states=_most(args), show_progress=shows_progress(args))
+    with progress_bar("solving", shows_progress(args)):
+        plan = habilis.solve(mdp)
     if args.json:
         print_json(
             {"steps": None, "return": None, "actions": None}
@@ -143,13 +154,13 @@ def _table(args: Args) -> habilis.TabularMDP:
     """The table of a world or, as `gym:ID`, of a Gymnasium environment."""
     if not args.world.startswith(PREFIX):
         world = load_world(args.world, args.tool)
-        show = _shows_progress(args)
+        show = shows_progress(args)
         return habilis.tabulate(world, args.slip, max_states=_most(args), show_progress=show)
     if args.tool is not None:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
     from habilis.gymnasium_tables import table_named
 
-    mdp = table_named(args.world.removeprefix(PREFIX), args.max_states, _shows_progress(args))
+    mdp = table_named(args.world.removeprefix(PREFIX), args.max_states, shows_progress(args))
     return mdp.slippery(args.slip) if args.slip else mdp
 
 
@@ -159,11 +170,8 @@ def _most(args: Args) -> int:
 
 def _options(args: Args) -> Any:
     """What the verb takes of the arguments of `habilis.empowerment`."""
-    return {name: getattr(args, name) for name in OPTIONS if name in args}
-
-
-def _shows_progress(args: Args) -> bool:
-    return sys.stderr.isatty() and not args.json
+    given = {name: getattr(args, name) for name in OPTIONS if name in args}
+    return given | {"show_progress": shows_progress(args)}
 
 
 def landscape(args: Args) -> int:
@@ -181,7 +189,8 @@ def landscape(args: Args) -> int:
         **_options(args),
     )
     if args.out is not None:
-        save(args.out, found.save)
+        with progress_bar("drawing", shows_progress(args)):
+            save(args.out, found.save)
     if args.json:
         rows = [[None if np.isnan(v) else v for v in row] for row in found.values.tolist()]
         return print_json({"values": rows})
@@ -283,9 +292,11 @@ def futures(args: Args) -> int:
         object=_where(world, "object", args.object_at),
     )
     if world.several:
-        mdp = reachable(world, start_of(world), max(args.horizon, 0))[0].slippery(args.slip)
+        steps = max(args.horizon, 0)
+        mdp = reachable(world, start_of(world), steps, show_progress=shows_progress(args))[0]
+        mdp = mdp.slippery(args.slip)
     else:
-        mdp = habilis.tabulate(world, args.slip)
+        mdp = habilis.tabulate(world, args.slip, show_progress=shows_progress(args))
     cells = [name for name in mdp.factors if mdp.is_cell(name)]
     if args.out and (args.sensor == "state" or mdp.factor_named(args.sensor) not in cells):
         raise ValueError(
@@ -297,8 +308,9 @@ def futures(args: Args) -> int:
     if args.out is not None:
         from habilis.worlds.pictures import save_figure
 
-        figure = futures_figure(world, mdp, found, args.sensor)
-        save(args.out, lambda path: save_figure(figure, path))
+        with progress_bar("drawing", shows_progress(args)):
+            figure = futures_figure(world, mdp, found, args.sensor)
+            save(args.out, lambda path: save_figure(figure, path))
     if args.json:
         return print_json(
             {

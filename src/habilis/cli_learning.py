@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from habilis.cli_arguments import Args
-from habilis.cli_output import console, print_json, refuse, save
+from habilis.cli_output import console, print_json, refuse, save, shows_progress
 from habilis.extras import import_from
 from habilis.files import PICTURES, check_file
+from habilis.progress import progress_bar
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -70,7 +71,8 @@ def watch(args: Args) -> int:
     frames = [placement(run.world, mdp, state) for state in episode.states]
     films = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
     for path, write in films:
-        save(path, partial(write, frames))
+        with progress_bar("drawing", shows_progress(args)):
+            save(path, partial(write, frames))
     trained = int((run.episodes["run"] == args.run).sum())
     if args.json:
         print_json(
@@ -122,8 +124,9 @@ def plot(args: Args) -> int:
     }
     if out is not None:
         best = [run.best_return for run in runs] if args.value == "return" else []
-        figure = picture.curves_figure(drawn, best)
-        save(out, lambda path: save_figure(figure, path))
+        with progress_bar("drawing", shows_progress(args)):
+            figure = picture.curves_figure(drawn, best)
+            save(out, lambda path: save_figure(figure, path))
     if args.json:
         told = [
             {"folder": str(place), "label": label} | curve.as_dict()

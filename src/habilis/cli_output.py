@@ -2,6 +2,7 @@
 
 import json
 import sys
+from argparse import Namespace
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,6 +58,11 @@ def check_outputs(args: "Namespace") -> None:
         for path in value if isinstance(value, list) else [value]:
             if path is not None:
                 check_file(path, suffixes) if suffixes else check_folder(path)
+
+
+def shows_progress(args: "Namespace") -> bool:
+    """Whether a verb draws progress bars: on a terminal, unless a machine reads what it prints."""
+    return sys.stderr.isatty() and not args.json
 
 
 def console() -> "Console":

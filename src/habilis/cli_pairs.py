@@ -1,14 +1,14 @@
 """habilis compare --pairs: every tool by every object."""
 
-import sys
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from habilis.cli_arguments import OPTIONS, PAIRS_HORIZON, Args, compared
-from habilis.cli_output import lower_bounds, print_json, save
+from habilis.cli_output import lower_bounds, print_json, save, shows_progress
 from habilis.empowerment.pairs import MEASURES, Pairs, pairs
+from habilis.progress import progress_bar
 from habilis.worlds.world import World, load_world
 
 
@@ -21,10 +21,11 @@ def compare_pairs(args: Args) -> int:
         _tools(world) if args.tools is None else args.tools,
         slip=args.slip,
         **{name: getattr(args, name) for name in OPTIONS},
-        show_progress=sys.stderr.isatty() and not args.json,
+        show_progress=shows_progress(args),
     )
     for path in args.out:
-        save(path, found.save)
+        with progress_bar("drawing", shows_progress(args)):
+            save(path, found.save)
     if args.json:
         return print_json(_told(found))
     print(f"{lower_bounds(args)}average {found.horizon}-step object empowerment, in {found.unit}")

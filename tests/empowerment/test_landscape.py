@@ -15,6 +15,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import habilis as hb
+from habilis.cli import main
+from habilis.empowerment import landscape_states
 
 ROOM = hb.World.parse("A..\nP#.\n.C.\n..G\n", "room")
 SUFFIXES = [".png", ".svg", ".pdf", ".csv", ".parquet", ".npz", ".npy"]
@@ -232,3 +234,98 @@ def test_measuring_does_not_import_matplotlib():
     code = "import habilis as hb, sys; hb.landscape(hb.load_world('yard'), 1)"
     code += "; sys.exit('matplotlib' in sys.modules or 'polars' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+# Maps too large for their table
+
+
+@pytest.mark.parametrize("tool", ["picker", "broom", "none"])
+@pytest.mark.parametrize("sensor", ["state", "object", "agent"])
+@pytest.mark.parametrize("horizon", [0, 1, 3, 30])
+def test_what_can_be_reached_has_the_values_of_the_whole_table(
+    tool: str, sensor: str, horizon: int, monkeypatch: pytest.MonkeyPatch
+):
+    world = hb.World.parse("A...\nP#..\n.C..\n...G\n", "room").with_tool(tool)
+    moves = [{}, {"object": (0, 3)}, {"object": (0, 0)}]
+    if tool != "none":
+        moves += [{"tool": (3, 1), "object": (0, 2)}, {"tool": (0, 0)}]
+    whole = [hb.landscape(world, horizon, sensor, **moved) for moved in moves]
+    monkeypatch.setattr(landscape_states, "_FEW", 0)
+    monkeypatch.setattr(landscape_states, "_SHARE", 1)
+    used = spied(monkeypatch)
+    for moved, expected in zip(moves, whole, strict=True):
+        found = hb.landscape(world, horizon, sensor, **moved)
+        np.testing.assert_array_equal(found.values, expected.values)
+        assert found.world == expected.world
+        assert found.title == expected.title
+    assert used == [True] * len(moves)
+    slipping = hb.landscape(world, min(horizon, 3), sensor, slip=0.1)
+    monkeypatch.undo()
+    expected = hb.landscape(world, min(horizon, 3), sensor, slip=0.1)
+    np.testing.assert_allclose(slipping.values, expected.values, atol=1e-6)
+
+
+def spied(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Whether the reachable part sufficed, each time that it was tried."""
+    used: list[bool] = []
+    reached = landscape_states._reached
+
+    def spy(*asked):
+        found = reached(*asked)
+        used.append(found is not None)
+        return found
+
+    monkeypatch.setattr(landscape_states, "_reached", spy)
+    return used
+
+
+def test_where_nearly_everything_can_be_reached_the_whole_table_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    expected = hb.landscape(ROOM, 9, "object")
+    monkeypatch.setattr(landscape_states, "_FEW", 0)
+    used = spied(monkeypatch)
+    np.testing.assert_array_equal(hb.landscape(ROOM, 9, "object").values, expected.values)
+    assert used == [False]
+
+
+def large_map() -> str:
+    rows = [["."] * 100 for _ in range(100)]
+    for character, cell in zip("APCG", [(50, 50), (50, 51), (50, 52), (99, 99)], strict=True):
+        rows[cell[0]][cell[1]] = character
+    return "\n".join("".join(row) for row in rows)
+
+
+def test_a_map_too_large_for_its_table_has_a_landscape(tmp_path: Path, capsys):
+    world = hb.World.parse(large_map(), "large")
+    with pytest.raises(ValueError, match="placements are more than"):
+        hb.tabulate(world)
+    found = hb.landscape(world, 3, "object")
+    places = [
+        {"agent": cell, "tool": (50, 51), "object": (50, 52)}
+        for cell in [(50, 50), (49, 49), (0, 0)]
+    ]
+    bits = hb.empowerment(world, 3, "object", states=places)
+    assert [found.values[place["agent"]] for place in places] == bits.tolist()
+    assert np.isfinite(found.values).sum() == 100 * 100 - 2
+    (tmp_path / "large.txt").write_text(large_map())
+    out = tmp_path / "large.png"
+    verb = ["landscape", str(tmp_path / "large.txt"), "--sensor", "object", "--horizon", "3"]
+    assert main([*verb, "--out", str(out)]) == 0
+    assert capsys.readouterr().out.count("\n") == 101
+    assert out.exists()
+
+
+@pytest.mark.parametrize(
+    "moved",
+    [{"tool": (50, 52)}, {"object": (50, 51)}, {"tool": (200, 0)}, {"object": (-1, 0)}],
+)
+def test_on_a_large_map_too_things_need_free_cells(moved: dict):
+    with pytest.raises(ValueError, match="cell"):
+        hb.landscape(hb.World.parse(large_map(), "large"), 1, "object", **moved)
+
+
+def test_what_is_too_much_even_so_is_refused(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(landscape_states, "MAX_STATES", 10_500)
+    with pytest.raises(ValueError, match="large: 9 actions reach more than 10,500 placements"):
+        hb.landscape(hb.World.parse(large_map(), "large"), 9, "object")

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import habilis as hb
-from habilis.empowerment import blocks, windows
+from habilis.empowerment import blocks, deterministic, windows
 from habilis.empowerment.counting import count_backward, count_forward
 from habilis.empowerment.windows import Window, count_in_window, window_of
 from habilis.mdp import TabularMDP
@@ -98,11 +98,11 @@ def test_a_large_map_counts_as_if_every_cell_had_its_bit(tool: str, sensor: str)
 def test_the_window_is_what_is_used_on_a_large_map(monkeypatch: pytest.MonkeyPatch):
     used: list[Window] = []
 
-    def spy(table, row, column, horizon, window, threads):
+    def spy(table, row, column, horizon, window, threads, **how):
         used.append(window)
-        return count_in_window(table, row, column, horizon, window, threads)
+        return count_in_window(table, row, column, horizon, window, threads, **how)
 
-    monkeypatch.setattr(windows, "count_in_window", spy)
+    monkeypatch.setattr(deterministic, "count_in_window", spy)
     hb.empowerment(hb.tabulate(big_world()), 2, "object")
     assert [window.words for window in used] == [1]  # of 21 for all 1,296 cells
 

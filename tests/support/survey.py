@@ -85,8 +85,7 @@ def outcome(name: str) -> tuple[str, ...]:
     try:
         env = gymnasium.make(name)
         refused_soon(env)
-        if name.startswith("MiniGrid"):
-            found = searched(name)
+        found = searched(name) if name.startswith("MiniGrid") else {}
         mdp = hb.TabularMDP.from_gymnasium(env, max_states=MOST)
     except (ValueError, gymnasium.error.Error) as error:
         spent = f"{time.perf_counter() - began:.0f}"
@@ -95,10 +94,7 @@ def outcome(name: str) -> tuple[str, ...]:
     transitions = int((~mdp.terminal).sum()) * mdp.action_count
     assert mdp.origin is not None
     counts = (str(mdp.states), str(transitions), str(mdp.origin.verified), spent)
-    if not name.startswith("MiniGrid"):
-        return name, *counts, "its own table P"
-    pairs = matched(mdp, found)
-    return name, *counts, pairs
+    return name, *counts, matched(mdp, found) if found else "its own table P"
 
 
 def matched(mdp: hb.TabularMDP, found: dict[Hashable, list[Hashable]]) -> str:

@@ -142,7 +142,41 @@ def test_without_a_background_the_floor_is_left_out():
     ax.clear()
     draw_world(ax, ROOM)
     full = sum(len(areas.get_paths()) for areas in ax.collections)
-    assert full - bare == ROOM.height * ROOM.width * len(SHAPES["floor"])
+    assert full - bare == 1 + (ROOM.width + 1) + (ROOM.height + 1)  # paper, and every grid line
+
+
+def test_every_wall_is_drawn_in_its_cell_and_nowhere_else():
+    ax = Figure().add_subplot()
+    draw_world(ax, replace(ROOM, walls=frozenset()), background=False)
+    rest = len(ax.collections)
+    ax.clear()
+    draw_world(ax, ROOM, background=False)
+    walls = ax.collections[: len(ax.collections) - rest + 2]
+    drawn = {(y, x) for areas in walls for x, y in np.asarray(areas.get_offsets()).tolist()}
+    assert drawn >= {(float(row), float(column)) for row, column in ROOM.walls}
+
+
+def test_a_large_map_has_a_picture_that_can_be_looked_at(tmp_path: Path):
+    rows = ["." * 1000 for _ in range(1000)]
+    rows[0] = "APCG" + "#" * 996
+    rows[-1] = "#" * 1000
+    large = World.parse("\n".join(rows))
+    save_picture(large, tmp_path / "large.png")
+    with Image.open(tmp_path / "large.png") as picture:
+        assert picture.size == (4000, 4000)
+        pixels = np.asarray(picture.convert("L"))
+    assert pixels[-3:, 2::4].max() < 80
+    assert pixels[2:4, 18::4].max() < 80
+    assert pixels[6:-6:4, 2::4].min() > 230
+    for suffix in (".svg", ".pdf"):
+        save_picture(large, tmp_path / f"large{suffix}")
+        assert (tmp_path / f"large{suffix}").stat().st_size < 3_000_000
+
+
+def test_coloured_text_of_a_large_map_is_all_of_it():
+    rows = ["APCG" + "#." * 298, *[".#" * 300] * 299]
+    lines = colored_text(World.parse("\n".join(rows))).plain.splitlines()
+    assert [line[::2] for line in lines] == rows
 
 
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf", ".PNG"])

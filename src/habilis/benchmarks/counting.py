@@ -30,6 +30,7 @@ def results() -> list[Result]:
     return [
         *_beside_enumeration(mdp, "TOE", "object", horizon=6),
         *_beside_enumeration(mdp, "FOE", "state", horizon=5),
+        *_beside_dense_rows("yard", horizon=40),
         *_growth(mdp),
         *_bandwidth(),
     ]
@@ -52,6 +53,35 @@ def _beside_enumeration(mdp: TabularMDP, name: str, sensor: str, horizon: int) -
             f"{sequences:,} sequences a state, vectorised NumPy, {_ASKED} states scaled up",
         ),
     ]
+
+
+def dense_rows(mdp: TabularMDP, horizon: int) -> np.ndarray:
+    """Full-state empowerment by rows of bits, a bit a state, united over actions h times."""
+    states = np.arange(mdp.states)
+    sets = np.zeros((mdp.states, -(-mdp.states // 64)), np.uint64)
+    sets[states, states // 64] = np.uint64(1) << (states % 64).astype(np.uint64)
+    for _ in range(horizon):
+        grown = sets[mdp.next_state[:, 0]]
+        for action in range(1, mdp.action_count):
+            grown |= sets[mdp.next_state[:, action]]
+        sets = grown
+    return np.log2(np.bitwise_count(sets).sum(axis=1, dtype=np.int64))
+
+
+def _beside_dense_rows(world: str, horizon: int) -> list[Result]:
+    """FOE of many actions, and of so many that the sets have long been full."""
+    mdp = tabulate(load_world(world))
+    assert np.array_equal(empowerment(mdp, horizon), dense_rows(mdp, horizon))
+    theirs = best_seconds(lambda: dense_rows(mdp, horizon), 1)
+    results = []
+    for h in (horizon, 2 * horizon, 10**9):
+        seconds = best_seconds(lambda h=h: empowerment(mdp, h))
+        name, note = f"{h:,}-step FOE of {world}", f"all {mdp.states:,} states"
+        results.append(Result(name, 1e3 * seconds, "ms", note))
+        if h == horizon:
+            note = f"dense rows of bits in NumPy, {theirs:.3g} s"
+            results.append(Result(f"{name}: dense / ours", theirs / seconds, "times", note))
+    return results
 
 
 def _growth(mdp: TabularMDP) -> list[Result]:

@@ -205,6 +205,8 @@ def _neighbourhood(first, state, probability, actions, start, horizon):
     inner = 0
     for _ in range(horizon):
         end = len(near)
+        if begin == end:
+            break
         for i in range(begin, end):
             for k in range(first[near[i] * actions], first[(near[i] + 1) * actions]):
                 entries += 1
@@ -244,7 +246,9 @@ def _count_within(first, state, actions, start, horizon):
                     met[state[k]] = True
                     near.append(state[k])
         begin = end
-        counts[t + 1] = len(near)
+        counts[t + 1 :] = len(near)
+        if len(near) == end:
+            break
     return counts
 
 

@@ -1,10 +1,10 @@
 """Empowerment: the capacity of the channel from the next h actions to the sensor."""
 
 from collections.abc import Sequence
-from typing import Literal, TypedDict, Unpack, overload
+from typing import TYPE_CHECKING, Literal, TypedDict, Unpack, overload
 
 import numpy as np
-from jaxtyping import Float64, Int32, Int64
+from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import (
@@ -18,18 +18,21 @@ from habilis.empowerment.arguments import (
 )
 from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.capacity import checked_tolerance, warn_of_gap
+from habilis.empowerment.limits import MAX_GIB, MAX_SECONDS, Limits, Progress
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
 from habilis.processors import processors
+from habilis.progress import in_percent, progress_bar
 from habilis.worlds.placements import Placement
 from habilis.worlds.reach import reachable
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
+if TYPE_CHECKING:
+    from habilis.empowerment.deterministic import Question
+
 States = ArrayLike | Placement | Sequence[Placement]
 """Indices, bool[S] or, of a world, placements."""
-
-MOST_PACKED_LABELS = 4096  # above, sets of states cost less than 64 words a state
 
 Bits = Float64[np.ndarray, "n"]
 Method = Literal["exact", "sampled"]
@@ -46,6 +49,7 @@ class Options(TypedDict, total=False):
     threads: int | None
     max_gib: float
     max_seconds: float
+    show_progress: bool
 
 
 @overload
@@ -88,8 +92,9 @@ def empowerment(
     samples: int = 1000,
     seed: int = 0,
     threads: int | None = None,
-    max_gib: float = 8.0,
-    max_seconds: float = 3600.0,
+    max_gib: float = MAX_GIB,
+    max_seconds: float = MAX_SECONDS,
+    show_progress: bool = False,
 ) -> Bits | tuple[Bits, Bits]:
     """The h-step empowerment of states, in bits.
 
@@ -133,8 +138,11 @@ def empowerment(
         threads: how many work side by side; the values are the same for any number. By default
             as many as there are processors; one where channels are noisy, because there the
             linear algebra uses the processors by itself.
-        max_gib: memory in GiB that a noisy channel's beliefs may take.
-        max_seconds: time in seconds that they may take, by an estimate made before the start.
+        max_gib: memory in GiB that it may take besides the table, foreseen before the start.
+        max_seconds: time in seconds that it may take, by an estimate made before the start: of
+            noisy channels from a few states, of counting from its first moments. A fixed point or
+            a period of what can be reached, which ends long horizons early, is part of it.
+        show_progress: whether to draw a progress bar on standard error, once it takes two seconds.
 
     Returns:
         float64[n]; with `return_gap` also float64[n], for each state a proven upper bound on how
@@ -166,31 +174,36 @@ def empowerment(
     samples, seed = at_least_one("samples", samples), whole_number("seed", seed)
     max_gib, max_seconds = positive("max_gib", max_gib), positive("max_seconds", max_seconds)
     if isinstance(mdp, World):
-        mdp, states = _around(mdp, horizon, sensor, states)
+        mdp, states = _around(mdp, horizon, sensor, states, show_progress)
     used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
+    limits = Limits(max_gib, max_seconds)
     if not mdp.is_stochastic and not is_noisy(sensor) and method == "exact":
         counters = threads or processors()
-        bits = _counted(mdp, horizon, sensor, used, None if states is None else starts, counters)
+        some = None if states is None else starts
+        with progress_bar("empowerment", show_progress) as bar:
+            tell = in_percent(bar)
+            bits = _counted(mdp, horizon, sensor, used, some, counters, limits, tell)
         gap = np.zeros(len(bits))
     else:
         from habilis.empowerment import stochastic
-        from habilis.empowerment.effort import Limits
         from habilis.empowerment.open_loop import problem_of
 
         problem = problem_of(mdp, horizon, sensor, used, tolerance)
         threads = threads or 1
-        if method == "sampled":
-            bits, gap = stochastic.lower_bounds(problem, starts, samples, seed, threads)
-        else:
-            limits = Limits(max_gib, max_seconds)
-            bits, gap = stochastic.certified_bits(problem, starts, threads, limits)
-            if (gap > tolerance).any():
-                warn_of_gap(float(gap.max()), tolerance)
+        with progress_bar("states", show_progress) as tell:
+            if method == "sampled":
+                bits, gap = stochastic.lower_bounds(
+                    problem, starts, samples, seed, threads, limits, tell
+                )
+            else:
+                bits, gap = stochastic.certified_bits(problem, starts, threads, limits, tell)
+        if method == "exact" and (gap > tolerance).any():
+            warn_of_gap(float(gap.max()), tolerance)
     return (bits * scale, gap * scale) if return_gap else bits * scale
 
 
 def _around(
-    world: World, horizon: int, sensor: Sensor, states: States | None
+    world: World, horizon: int, sensor: Sensor, states: States | None, show_progress: bool
 ) -> tuple[TabularMDP, Int64[np.ndarray, "n"] | None]:
     """As much of a world's table as is needed, and the asked states in it."""
     if not isinstance(sensor, str):
@@ -199,8 +212,8 @@ def _around(
             "or tabulate the world"
         )
     if states is None:
-        return tabulate(world), None
-    return reachable(world, states, horizon)
+        return tabulate(world, show_progress=show_progress), None
+    return reachable(world, states, horizon, show_progress=show_progress)
 
 
 def _counted(
@@ -210,13 +223,31 @@ def _counted(
     actions: Int64[np.ndarray, "A"],
     starts: Int64[np.ndarray, "n"] | None,
     threads: int,
+    limits: Limits,
+    tell: Progress,
 ) -> Bits:
     """The logarithms of how many observations can be brought about, where nothing is noisy."""
     # Numba takes as long to import as everything else together: only who computes pays.
-    from habilis.empowerment.counting import count_backward, count_forward
+    from habilis.empowerment.deterministic import counts
+
+    question = question_of(mdp, horizon, sensor, actions, starts, threads, limits, tell)
+    return bits_of(counts(question))
+
+
+def question_of(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Int64[np.ndarray, "A"],
+    starts: Int64[np.ndarray, "n"] | None,
+    threads: int,
+    limits: Limits,
+    tell: Progress,
+) -> "Question":
+    """What is to be counted for a measure of a deterministic table."""
+    from habilis.empowerment.deterministic import Question
 
     labels, label_count = observations(mdp, sensor)
-    every = np.arange(mdp.states) if starts is None else starts
     named = isinstance(sensor, str) and sensor != "state"
     cells = named and mdp.is_cell(mdp.factor_named(str(sensor)))
     table = mdp.next_state
@@ -224,72 +255,21 @@ def _counted(
         table = np.ascontiguousarray(table[:, actions])
     table, labels = with_nowhere(table, labels)
     if len(labels) > mdp.states:  # the state added is not asked about, and has no cell
-        cells, starts = False, every
-    few = label_count <= MOST_PACKED_LABELS
-    if few or cells:
-        near, place, nearby = slice(None), slice(None), table
-        if starts is not None:
-            near, nearby, place = neighbourhood(table, starts, horizon)
-        counts = None
-        if isinstance(sensor, str) and mdp.shape is not None and cells:
-            counts = _counted_near(nearby, mdp.factor(sensor)[near], mdp.shape, horizon, threads)
-        if counts is None and few:
-            counts = count_backward(nearby, labels[near], label_count, horizon, threads)
-        if counts is not None:
-            return log2_of(counts[place])
-    return log2_of(count_forward(table, labels, label_count, horizon, every, threads))
+        cells, starts = False, np.arange(mdp.states) if starts is None else starts
+    return Question(
+        table,
+        labels,
+        label_count,
+        horizon,
+        starts,
+        mdp.factor(str(sensor)) if cells else None,
+        mdp.shape,
+        threads,
+        limits,
+        tell,
+    )
 
 
-def log2_of(counts: Int64[np.ndarray, "n"]) -> Bits:
-    """The logarithms of counts; 0 where there is nothing to count, as no sequence is possible."""
+def bits_of(counts: Int64[np.ndarray, "*any"]) -> Float64[np.ndarray, "*any"]:
+    """The capacity of noiseless channels to so many observations; of none it is 0."""
     return np.log2(np.maximum(counts, 1))
-
-
-def _counted_near(
-    table: Int32[np.ndarray, "S A"],
-    cells: Int32[np.ndarray, "S"],
-    shape: tuple[int, int],
-    horizon: int,
-    threads: int,
-) -> Int64[np.ndarray, "S"] | None:
-    """To how many cells a thing can be brought, if looking at those near it saves anything."""
-    from habilis.empowerment.windows import count_in_window, window_of, worth_a_window
-
-    if not worth_a_window(shape):
-        return None
-    row, column = (part.astype(np.int16) for part in np.divmod(cells, shape[1]))
-    words = min(-(-shape[0] * shape[1] // 64), MOST_PACKED_LABELS // 64)
-    # Shifting a word takes twice as long as uniting two, so half of them must be saved.
-    window = window_of(table, row, column, horizon, words // 2, threads)
-    if window is None:
-        return None
-    return count_in_window(table, row, column, horizon, window, threads)
-
-
-def neighbourhood(
-    table: Int32[np.ndarray, "S A"], starts: Int64[np.ndarray, "n"], horizon: int
-) -> tuple[Int64[np.ndarray, "N"], Int32[np.ndarray, "N A"], Int64[np.ndarray, "n"]]:
-    """The part of the table that h actions from the starts can touch.
-
-    Returns:
-        The N states reached within h actions, the table over them alone (states on the rim,
-        whose successors no longer matter, stay where they are), and the starts' places in it.
-    """
-    reached = np.zeros(len(table), bool)
-    reached[starts] = True
-    frontier = np.flatnonzero(reached)
-    for _ in range(horizon):
-        after = np.zeros(len(table), bool)
-        after[table[frontier]] = True
-        after &= ~reached
-        frontier = np.flatnonzero(after)
-        if not len(frontier):
-            break
-        reached |= after
-    near = np.flatnonzero(reached)
-    place = np.full(len(table), -1, np.int32)
-    place[near] = np.arange(len(near), dtype=np.int32)
-    small = place[table[near]]
-    rim = small < 0
-    small[rim] = np.nonzero(rim)[0]
-    return near, small, place[starts].astype(np.int64)

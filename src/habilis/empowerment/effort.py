@@ -1,45 +1,23 @@
 """What a stochastic computation will cost, known before it starts."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from habilis.empowerment.beliefs import beliefs_after, states_within
+from habilis.empowerment.beliefs import beliefs_after, followed, states_within
+from habilis.empowerment.limits import Limits, takes, too_much
 from habilis.empowerment.open_loop import Problem, solve_channel
 from habilis.probabilities import shape_of
 
 _PROBED = 3  # states looked at
 _ENTRIES = 200_000  # numbers in the beliefs of a state up to which they are tried out
 _BYTES = 8 * 4  # a number of a belief: in an array perhaps just doubled, and what comes of it
+_STEP = 300  # bytes that each step takes however few beliefs there are
+_TRIAL = 0.3  # seconds that trying out a state may take
+_FORESEEN = 2_000  # horizons looked at one by one
 _TRIFLE = 20_000_000  # numbers in all states' beliefs, at worst, below which nobody waits
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What a computation may cost.
-
-    Attributes:
-        gib: memory in use at once, in GiB.
-        seconds: time.
-    """
-
-    gib: float
-    seconds: float
-
-
-class TooMuchError(ValueError):
-    """A computation that would cost more than it may.
-
-    Attributes:
-        horizon: that was asked for.
-        fitting: the largest that fits; -1 where none does.
-    """
-
-    def __init__(self, message: str, horizon: int, fitting: int):
-        super().__init__(message)
-        self.horizon, self.fitting = horizon, fitting
 
 
 @dataclass(frozen=True)
@@ -67,31 +45,55 @@ def check_effort(
     successors, horizon = problem.successors, problem.horizon
     everything = shape_of(problem.sensor)[0] * max(len(starts), 1)
     worst = horizon * np.log(successors.actions) + np.log(everything)
-    if successors.certain or not len(starts) or worst <= np.log(_TRIFLE):
+    few = horizon <= _FORESEEN and worst <= np.log(_TRIFLE)
+    if not len(starts) or few or (successors.certain and horizon <= _FORESEEN):
         return
-    effort = estimate(problem, starts, threads)
+    effort = estimate(replace(problem, horizon=min(horizon, _FORESEEN)), starts, threads)
     fits = (effort.gib <= limits.gib) & (effort.seconds <= limits.seconds)
-    if not fits.all():
-        cost = f"takes about {effort.gib[-1]:.3g} GiB and {effort.seconds[-1]:.3g} s"
-        raise too_much(horizon, int(np.argmin(fits)) - 1, limits, cost)
+    fitting = int(np.argmin(fits)) - 1
+    gib, seconds = effort.gib[-1], effort.seconds[-1]
+    if fits.all():
+        # The least that each further action can add is what the last one added.
+        more = horizon - len(fits) + 1
+        each = np.array([gib - effort.gib[-2], seconds - effort.seconds[-2]])
+        left = np.array([limits.gib - gib, limits.seconds - seconds])
+        gib, seconds = np.array([gib, seconds]) + more * each
+        if gib <= limits.gib and seconds <= limits.seconds:
+            return
+        fitting = len(fits) - 1 + int((left / np.maximum(each, 1e-300)).min())
+    raise too_much(horizon, fitting, limits, takes(gib, seconds))
+
+
+def check_samples(
+    problem: Problem, starts: Int64[np.ndarray, "n"], samples: int, threads: int, limits: Limits
+) -> None:
+    """Refuses samples of sequences that would take more than they may.
+
+    Raises:
+        TooMuchError: as above.
+    """
+    horizon = problem.horizon
+    if not len(starts) or horizon * samples <= _TRIFLE:
+        return
+    start, tried = int(starts[0]), min(samples, 10)
+    drawn = np.zeros((tried, min(horizon, _FORESEEN)), np.int32)
+    followed(problem.successors, start, drawn[:, :1])  # compiled, if it is the first time
+    began = time.thread_time()
+    followed(problem.successors, start, drawn)
+    each = (time.thread_time() - began) / drawn.size
+    states = len(np.unique(starts))
+    one = np.array(
+        [8.0 * samples * min(threads, states) / 2**30, each * samples * states / threads]
+    )
+    gib, seconds = horizon * one
+    if gib > limits.gib or seconds > limits.seconds:
+        fitting = int((np.array([limits.gib, limits.seconds]) / np.maximum(one, 1e-300)).min())
+        raise too_much(horizon, fitting, limits, takes(gib, seconds))
 
 
 def most_entries(limits: Limits, at_once: int) -> int:
     """How many numbers the beliefs of one of so many states at once may be."""
     return int(min(limits.gib * 2**30 / (_BYTES * at_once), 2**62))
-
-
-def too_much(
-    horizon: int, fitting: int, limits: Limits, cost: str = "turns out to take more memory"
-) -> TooMuchError:
-    """The error that names the largest horizon that fits."""
-    best = f"the largest horizon that fits is {fitting}" if fitting >= 0 else "no horizon fits"
-    message = (
-        f"horizon {horizon} {cost}; the limits are {limits.gib:g} GiB and {limits.seconds:g} s, "
-        f"and {best}: use it, raise max_gib or max_seconds, or ask for a lower bound "
-        "with method='sampled'"
-    )
-    return TooMuchError(message, horizon, fitting)
 
 
 def estimate(problem: Problem, starts: Int64[np.ndarray, "n"], threads: int) -> Effort:
@@ -123,8 +125,9 @@ def _probe(
     # Past this many nothing fits anyway, and products of it are still numbers.
     steps = np.minimum(np.arange(1.0, horizon - known + 1), 200 / np.log10(max(factor, 1.01)))
     beliefs = np.concatenate([counts, counts[-1] * factor**steps])
-    entries = beliefs * reached
-    memory = _BYTES * entries + 20 * beliefs * successors.actions
+    entries = beliefs if successors.certain else beliefs * reached
+    parents = np.cumsum(8 * beliefs + _STEP)  # how each belief came about
+    memory = _BYTES * entries + 20 * beliefs * successors.actions + parents
     worked = np.cumsum(entries) * successors.actions
     seconds = worked * took / max(worked[known], 1) + entries * solving / max(entries[known], 1)
     return memory / 2**30, seconds
@@ -144,15 +147,17 @@ def _tried(
     Those of the processor: what else runs on a machine makes nothing cost more.
     """
     successors = problem.successors
-    depth, counts, took = 0, [1.0], 0.0
+    depth, counts, took, spent = 0, [1.0], 0.0, 0.0
     beliefs = beliefs_after(successors, start, 0)
     while depth < problem.horizon and counts[-1]:
-        if depth > 0 and counts[-1] * successors.actions * reached[depth + 1] > _ENTRIES:
+        wide = 1 if successors.certain else reached[depth + 1]
+        if depth > 0 and (counts[-1] * successors.actions * wide > _ENTRIES or spent > _TRIAL):
             break
         depth += 1
         began = time.thread_time()
         beliefs = beliefs_after(successors, start, depth)
         took = time.thread_time() - began
+        spent += took
         counts.append(float(len(beliefs.steps[-1][0])))
     began = time.thread_time()
     solve_channel(problem, beliefs.states, beliefs.matrix)

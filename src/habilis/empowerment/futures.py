@@ -15,10 +15,13 @@ from habilis.empowerment.arguments import (
     whole_number,
 )
 from habilis.empowerment.capacity import checked_tolerance, warn_of_gap
+from habilis.empowerment.limits import MAX_GIB, MAX_SECONDS, Limits, too_much
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
+from habilis.progress import progress_bar
 
+_LONG = 1000  # actions above which the cost is estimated before the start
 _UNUSED = 1e-9  # sequences with less probability are left out
 
 
@@ -61,7 +64,8 @@ def futures(
     *,
     unit: Unit = "bits",
     tolerance: float = 1e-6,
-    max_gib: float = 8.0,
+    max_gib: float = MAX_GIB,
+    show_progress: bool = False,
 ) -> Futures:
     """The capacity-achieving distribution over action sequences of one state.
 
@@ -73,7 +77,8 @@ def futures(
     (Klyubin, Polani and Nehaniv 2005), found as in `capacity`.
 
     Args:
-        mdp, horizon, sensor, actions, unit, tolerance, max_gib: as in `empowerment`.
+        mdp, horizon, sensor, actions, unit, tolerance, max_gib, show_progress: as in
+            `empowerment`.
         state: the state's index.
 
     Returns:
@@ -93,18 +98,21 @@ def futures(
         (array([2, 4, 6]), array([0.333, 0.333, 0.333]))
     """
     from habilis.empowerment.beliefs import TooManyBeliefsError
-    from habilis.empowerment.effort import Limits, most_entries, too_much
+    from habilis.empowerment.effort import check_effort, most_entries
     from habilis.empowerment.open_loop import exact, problem_of
 
     horizon, scale = whole_number("horizon", horizon), per_bit(unit)
     tolerance = checked_tolerance(tolerance) / scale
-    limits = Limits(positive("max_gib", max_gib), np.inf)
+    limits = Limits(positive("max_gib", max_gib), MAX_SECONDS)
     used = chosen_actions(mdp, actions)
     start = int(chosen_states(mdp, [state])[0])
     most = most_entries(limits, 1)
     problem = problem_of(mdp, horizon, sensor, used, tolerance, most)
+    if horizon > _LONG:
+        check_effort(problem, np.array([start]), 1, limits)
     try:
-        beliefs, answer = exact(problem, start)
+        with progress_bar("futures", show_progress):
+            beliefs, answer = exact(problem, start)
     except TooManyBeliefsError as error:
         raise too_much(horizon, error.horizon, limits) from None
     if answer.gap > tolerance:

@@ -8,17 +8,19 @@ from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import chosen_actions, chosen_states, per_bit, whole_number
-from habilis.empowerment.availability import with_nowhere
-from habilis.empowerment.core import (
-    MOST_PACKED_LABELS,
-    Options,
-    empowerment,
-    log2_of,
-    neighbourhood,
+from habilis.empowerment.core import Options, bits_of, empowerment, question_of
+from habilis.empowerment.limits import (
+    MAX_GIB,
+    MAX_SECONDS,
+    Limits,
+    check_memory,
+    unwatched,
+    watched,
 )
-from habilis.empowerment.sensors import Sensor, is_noisy, observations
+from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.processors import processors
+from habilis.progress import in_percent, progress_bar
 
 
 def empowerment_by_horizon(
@@ -55,22 +57,37 @@ def empowerment_by_horizon(
     """
     horizon = whole_number("horizon", horizon)
     sampled = options.get("method", "exact") != "exact"
-    labels, label_count = (None, 0) if is_noisy(sensor) else observations(mdp, sensor)
-    if mdp.is_stochastic or labels is None or sampled or label_count > MOST_PACKED_LABELS:
-        asked = range(horizon, -1, -1)  # the largest first: what takes too long is refused at once
-        found = [empowerment(mdp, h, sensor, actions, states, **options) for h in asked]
-        return np.stack(found[::-1])
+    if mdp.is_stochastic or is_noisy(sensor) or sampled:
+        return _each(mdp, horizon, sensor, actions, states, options)
     empowerment(mdp, 0, sensor, actions, [], **options)  # says what is wrong with any option
-    from habilis.empowerment.counting import sets_backward, sizes
+    from habilis.empowerment.deterministic import counts_by_horizon
 
-    starts = chosen_states(mdp, states)
-    table = np.ascontiguousarray(mdp.next_state[:, chosen_actions(mdp, actions)])
-    table, labels = with_nowhere(table, labels)
-    near, nearby, place = neighbourhood(table, starts, horizon)
+    starts, used = chosen_states(mdp, states), chosen_actions(mdp, actions)
     threads = options.get("threads") or processors()
-    scale = per_bit(options.get("unit", "bits"))
-    rows = [
-        log2_of(sizes(sets[place])) * scale
-        for sets in sets_backward(nearby, labels[near], label_count, horizon, threads)
-    ]
-    return np.stack(rows + rows[-1:] * (horizon + 1 - len(rows)))
+    limits = Limits(options.get("max_gib", MAX_GIB), options.get("max_seconds", MAX_SECONDS))
+    with progress_bar("empowerment", options.get("show_progress", False)) as bar:
+        tell = in_percent(bar)
+        question = question_of(mdp, horizon, sensor, used, starts, threads, limits, tell)
+        counts = counts_by_horizon(question)
+    return bits_of(counts) * per_bit(options.get("unit", "bits"))
+
+
+def _each(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Sequence[int] | None,
+    states: ArrayLike | None,
+    options: Options,
+) -> Float64[np.ndarray, "h+1 n"]:
+    """Horizon by horizon, the largest first: what takes too long is refused at once."""
+    limits = Limits(options.get("max_gib", MAX_GIB), options.get("max_seconds", MAX_SECONDS))
+    row = 8 * max(len(chosen_states(mdp, states)), 1)
+    gib = row * (horizon + 1) / 2**30
+    watch = watched(horizon, horizon, gib, limits, unwatched)
+    found = []
+    for h in range(horizon, -1, -1):
+        found.append(empowerment(mdp, h, sensor, actions, states, **options))
+        check_memory(gib, int(min(limits.gib * 2**30, 2**62)) // row - 1, horizon, limits)
+        watch(len(found) / (horizon + 1))
+    return np.stack(found[::-1])

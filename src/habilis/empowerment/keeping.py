@@ -60,7 +60,7 @@ def _kept(
     name = fingerprint(
         *("empowerment", _EDITION, horizon, mdp.transitions, seen),
         None if actions is None else chosen_actions(mdp, actions).tolist(),
-        sorted(options.items()),
+        sorted(item for item in options.items() if item[0] != "show_progress"),
     )
 
     def compute() -> dict[str, np.ndarray]:

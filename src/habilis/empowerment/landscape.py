@@ -166,7 +166,8 @@ def landscape(
         != tuple(name for name in mdp.factors if ":" in name or name in ("tool", "object"))
     ):
         raise ValueError(f"{world.name}: the table is of another map; give what `tabulate` made")
-    shown, mdp, states = asked(world, horizon, sensor, slip, tool, object, mdp)
+    show = options.get("show_progress", False)
+    shown, mdp, states = asked(world, horizon, sensor, slip, tool, object, mdp, show)
     values = np.full(world.height * world.width, np.nan)
     bits = empowerment(mdp, horizon, sensor, actions, states, **options)
     values[mdp.factor("agent")[states]] = bits

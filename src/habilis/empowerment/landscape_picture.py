@@ -9,7 +9,7 @@ from matplotlib.transforms import Bbox
 
 from habilis.empowerment.landscape import Landscape
 from habilis.worlds.heat import draw_scale, scale_of
-from habilis.worlds.pictures import new_figure
+from habilis.worlds.pictures import cell_size, new_figure
 
 _GAP, _HEAD, _BAR, _BAR_LABEL = 24, 36, 16, 64  # pixels
 
@@ -18,7 +18,7 @@ def draw_landscapes(
     landscapes: Mapping[str, Landscape],
     axes: Axes | Iterable[Axes] | None = None,
     *,
-    cell: int = 48,
+    cell: int | None = None,
     labels: bool = True,
 ) -> Figure:
     """Landscapes side by side, with one colour scale, and one bar for it.
@@ -27,7 +27,8 @@ def draw_landscapes(
         landscapes: by their titles.
         axes: one for each, such as `plt.subplots(1, 3)` makes; the bar takes a part of them. By
             default those of a new figure, in one row.
-        cell: pixels a cell in a new figure.
+        cell: pixels a cell in a new figure; by default 48, and on maps of more than 100 cells
+            across fewer.
         labels: whether to print the values (see `Landscape.draw`).
 
     Returns:
@@ -52,6 +53,8 @@ def draw_landscapes(
         raise ValueError(f"one colour scale for {' and '.join(sorted(units))}; give one unit")
     vmin, vmax = scale_of(np.concatenate([found.values.ravel() for _, found in panels]))
     if axes is None:
+        across = max(max(found.values.shape) for _, found in panels)
+        cell = cell_size(across) if cell is None else cell
         places, bar = _new_axes([found for _, found in panels], cell)
         place = {"cax": bar}
     else:

@@ -8,6 +8,7 @@ import numpy as np
 
 from habilis.empowerment.core import Options, empowerment
 from habilis.mdp import TabularMDP
+from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import NO_TOOL, World
@@ -97,10 +98,14 @@ def compare(
         >>> {tool: round(bits, 2) for tool, bits in averages.items()}
         {'picker': 0.52, 'none': 0.23}
     """
-    return {
-        name: average_empowerment(tabulate(held(armed), slip), horizon, "object", **options)
-        for name, armed in with_each_tool(world, tools).items()
-    }
+    averages, armed = {}, with_each_tool(world, tools)
+    show = options.get("show_progress", False)
+    with progress_bar("tools", show) as tell:
+        for done, (name, other) in enumerate(armed.items()):
+            tell(done, len(armed))
+            mdp = tabulate(held(other), slip, show_progress=show)
+            averages[name] = average_empowerment(mdp, horizon, "object", **options)
+    return averages
 
 
 def ranking(averages: Mapping[str, float]) -> list[str]:

@@ -146,8 +146,6 @@ def pairs(
     tools: Sequence[str | Tool | type] | None = None,
     objects: Sequence[str] | None = None,
     slip: float = 0.0,
-    *,
-    show_progress: bool = False,
     **options: Unpack[Options],
 ) -> Pairs:
     r"""Average object empowerment of an agent with each tool over each object, and how it comes.
@@ -163,8 +161,7 @@ def pairs(
             agent. By default the world's own and "none".
         objects: names of the world's objects; by default all.
         slip: as in `tabulate`; tools that may fail do so besides.
-        show_progress: whether to draw a progress bar on standard error.
-        **options: of `empowerment`.
+        **options: of `empowerment`, such as show_progress=True.
 
     Returns:
         The values of all pairs.
@@ -193,7 +190,7 @@ def pairs(
         for object in columns
     }
     measured: dict[object, _Pair] = {}
-    with progress_bar("pairs", show_progress) as tell:
+    with progress_bar("pairs", options.get("show_progress", False)) as tell:
         for done, pair in enumerate(alone.values()):
             tell(done, len(alone))
             if (key := _dynamics(pair)) not in measured:

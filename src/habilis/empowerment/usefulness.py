@@ -91,7 +91,9 @@ def usefulness(
     """
     if world.tool == NO_TOOL:
         raise ValueError(f"{world.name} has no tool to judge; give it one, as with_tool('broom')")
-    mdp, bare = tabulate(held(world), slip), tabulate(world.with_tool(NO_TOOL), slip)
+    show = options.get("show_progress", False)
+    mdp = tabulate(held(world), slip, show_progress=show)
+    bare = tabulate(world.with_tool(NO_TOOL), slip, show_progress=show)
     states = np.flatnonzero(compared_states(mdp))
     armed, armed_gap = empowerment(
         mdp, horizon, "object", states=states, return_gap=True, **options

@@ -8,14 +8,17 @@ the map; going one step back, a successor's set is shifted by what the thing mov
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int16, Int32, Int64, UInt64
+from jaxtyping import Bool, Int16, Int32, Int64, UInt64
 
 from habilis.compiled import compiled
 from habilis.empowerment.blocks import in_blocks
+from habilis.empowerment.limits import Progress, unwatched
+from habilis.empowerment.recurring import last_of, recurring
 
 _WORD = 64
 _WORTHWHILE = 16  # words of the whole map up to which it is as fast without a window
 _LARGEST = 30_000  # rows or columns that fit the extents' 16 bits
+_NOWHERE = 1, -1, 1, -1  # extents of a thing that is not seen: the least exceed the largest
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,9 @@ def window_of(
     horizon: int,
     most_words: int,
     threads: int,
+    *,
+    shown: Bool[np.ndarray, "S"] | None = None,
+    watch: Progress = unwatched,
 ) -> Window | None:
     """The least window for all states; `None` if it has `most_words` or more words.
 
@@ -48,32 +54,37 @@ def window_of(
         horizon: h, in actions.
         most_words: how many words a set takes without a window.
         threads: how many work side by side.
+        shown: where the thing is seen; by default everywhere.
+        watch: is called with the share that is done.
     """
     reach = np.zeros((len(row), 4), np.int16)  # up, down, left, right in exactly k actions
-    spare = np.empty_like(reach)
-    window = Window(0, 0, 1, 1)
-    for _ in range(horizon):
-        if window.words >= most_words:
-            return None
-        before, after = reach, spare
+    if shown is not None:
+        reach[~shown] = _NOWHERE
+    widest = np.zeros(4, np.int64)
+
+    def step(before: np.ndarray, after: np.ndarray) -> bool:
         moved = in_blocks(
-            lambda a, b, before=before, after=after: _extend(
-                next_state, row, column, before, after, a, b
-            ),
+            lambda a, b: _extend(next_state, row, column, before, after, a, b),
             len(row),
             4 * next_state.shape[1],
             threads,
         )
-        reach, spare = after, before
-        top, bottom = min(m[0] for m in moved), max(m[1] for m in moved)
-        left, right = min(m[2] for m in moved), max(m[3] for m in moved)
-        top, left = min(top, window.top), min(left, window.left)
-        bottom = max(bottom, window.top + window.rows - 1)
-        right = max(right, window.left + window.columns - 1)
-        window = Window(top, left, bottom - top + 1, right - left + 1)
-        if not any(m[4] for m in moved):
-            break
+        for extents in moved:
+            widest[::2] = np.minimum(widest[::2], extents[:4:2])
+            widest[1::2] = np.maximum(widest[1::2], extents[1:4:2])
+        return any(m[4] for m in moved)
+
+    for _, left in recurring(step, reach, horizon):
+        if _window(widest).words >= most_words:
+            return None
+        watch(1 - left / max(horizon, 1))
+    window = _window(widest)
     return window if window.words < most_words else None
+
+
+def _window(widest: Int64[np.ndarray, "4"]) -> Window:
+    up, down, left, right = widest.tolist()
+    return Window(up, left, down - up + 1, right - left + 1)
 
 
 def worth_a_window(shape: tuple[int, int]) -> bool:
@@ -88,32 +99,34 @@ def count_in_window(
     horizon: int,
     window: Window,
     threads: int,
+    *,
+    shown: Bool[np.ndarray, "S"] | None = None,
+    watch: Progress = unwatched,
 ) -> Int64[np.ndarray, "S"]:
     """To how many cells h actions can bring the thing, for every state.
 
-    Memory: two sets of `window.words` words of 8 bytes a state.
+    Memory: three sets of `window.words` words of 8 bytes a state.
     """
     place = row.astype(np.int32) * window.columns + column
     here = -window.top * window.columns - window.left
     sets = np.zeros((len(row), window.words), np.uint64)
     sets[:, here // _WORD] = np.uint64(1) << np.uint64(here % _WORD)
-    spare = np.empty_like(sets)
+    if shown is not None:
+        sets[~shown] = 0
     operations = window.words * next_state.shape[1]
-    for _ in range(horizon):
-        before, after = sets, spare
+
+    def step(before: np.ndarray, after: np.ndarray) -> bool:
         changed = in_blocks(
-            lambda a, b, before=before, after=after: _unite_shifted(
-                next_state, place, before, after, a, b
-            ),
+            lambda a, b: _unite_shifted(next_state, place, before, after, a, b),
             len(row),
             operations,
             threads,
         )
-        if not any(changed):
-            break
-        sets, spare = after, before
+        return any(changed)
+
+    last = last_of(recurring(step, sets, horizon), horizon, watch)
     counted = in_blocks(
-        lambda a, b: np.bitwise_count(sets[a:b]).sum(axis=1, dtype=np.int64),
+        lambda a, b: np.bitwise_count(last[a:b]).sum(axis=1, dtype=np.int64),
         len(row),
         window.words,
         threads,
@@ -127,12 +140,14 @@ def _extend(next_state, row, column, reach, out, begin, end):
     top = bottom = left = right = 0
     changed = False
     for s in range(begin, end):
-        up = down = west = east = 0
+        up, down, west, east = 1, -1, 1, -1  # nowhere yet
         for a in range(next_state.shape[1]):
             t = next_state[s, a]
+            if reach[t, 0] > reach[t, 1]:
+                continue
             dr = np.int64(row[t]) - np.int64(row[s])
             dc = np.int64(column[t]) - np.int64(column[s])
-            if a == 0:
+            if up > down:
                 up, down = dr + reach[t, 0], dr + reach[t, 1]
                 west, east = dc + reach[t, 2], dc + reach[t, 3]
             else:
@@ -141,6 +156,8 @@ def _extend(next_state, row, column, reach, out, begin, end):
         changed |= up != reach[s, 0] or down != reach[s, 1]
         changed |= west != reach[s, 2] or east != reach[s, 3]
         out[s, 0], out[s, 1], out[s, 2], out[s, 3] = up, down, west, east
+        if up > down:
+            continue
         top, bottom = min(top, up), max(bottom, down)
         left, right = min(left, west), max(right, east)
     return top, bottom, left, right, changed

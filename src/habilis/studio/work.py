@@ -14,14 +14,9 @@ import numpy as np
 from habilis.empowerment.arguments import chosen_actions
 from habilis.empowerment.beliefs import TooManyBeliefsError
 from habilis.empowerment.core import Options, empowerment
-from habilis.empowerment.effort import (
-    Limits,
-    TooMuchError,
-    check_effort,
-    most_entries,
-    too_much,
-)
+from habilis.empowerment.effort import check_effort, most_entries
 from habilis.empowerment.futures import futures
+from habilis.empowerment.limits import Limits, TooMuchError, too_much
 from habilis.empowerment.measures import NOTHING, compared_states
 from habilis.empowerment.open_loop import Problem, exact, problem_of
 from habilis.mdp import HELD, LAID, TabularMDP

@@ -13,7 +13,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import ListedColormap
 from matplotlib.text import Text
 
-from habilis.worlds.pictures import draw_map, draw_shapes, things_of
+from habilis.worlds.pictures import draw_map, draw_shapes, repeated, things_of
 from habilis.worlds.shapes import SHAPES, Drawing, placed
 from habilis.worlds.world import Cell, World
 
@@ -60,14 +60,9 @@ def draw_heat(
             f"{values.shape}; give one for every cell, NaN where there is none"
         )
     draw_map(ax, world, {})
-    valued = [(int(row), int(column)) for row, column in np.argwhere(np.isfinite(values))]
-    heat = PolyCollection(
-        [_placed(cell, SHAPES["floor"])[-1].points for cell in valued],  # less their grid lines
-        cmap=HEAT,
-        linewidths=0,
-        snap=False,
-    )
-    heat.set_array(np.array([values[cell] for cell in valued]))
+    valued = np.argwhere(np.isfinite(values))
+    heat = repeated(ax, SHAPES["floor"][-1], valued.astype(float), cmap=HEAT)  # less the grid lines
+    heat.set_array(values[tuple(valued.T)])
     heat.set_clim(*scale_of(values, vmin, vmax))
     ax.add_collection(heat, autolim=False)
     things = things_of(world, world.agent if agent else None)
@@ -152,11 +147,6 @@ class _Labels(Artist):
             text.set(figure=self.axes.figure, clip_box=self.axes.bbox, clip_on=True)
             texts.append(text)
         return texts
-
-
-def _placed(cell: Cell, drawing: Drawing) -> Drawing:
-    row, column = cell
-    return placed(drawing, float(column), float(row))
 
 
 def _small(cell: Cell, drawing: Drawing, *, above_label: bool) -> Drawing:

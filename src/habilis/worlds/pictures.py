@@ -8,17 +8,18 @@ In a plot the cell `(row, column)` covers x from `column` to `column + 1` and y 
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from itertools import product
+from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float64, UInt8
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.transforms import AffineDeltaTransform
 from rich.text import Text
 
 from habilis.files import suffix_of, write_whole
@@ -27,6 +28,7 @@ from habilis.worlds.map_writing import marks_of
 from habilis.worlds.shapes import (
     SHAPES,
     Drawing,
+    Shape,
     Side,
     bin_with,
     facing,
@@ -38,6 +40,8 @@ from habilis.worlds.tools import Tool, drawing_of
 from habilis.worlds.world import Cell, World
 
 _DPI = 96  # a web page's; and (n / 96) * 96 is exactly n in floating point: no pixel is lost
+_CELL = 48  # pixels of a cell
+_ACROSS = 4800  # pixels of a picture at most, unless someone asks for more
 PICTURES = {  # by suffix: what would tell apart two files of one picture, left out
     ".png": {"Software": None},
     ".svg": {"Date": None},
@@ -82,24 +86,34 @@ def draw_map(
     draw_shapes(ax, [_at(cell, drawing) for cell, drawing in things.items()])
 
 
-def world_figure(world: World, cell: int = 48) -> Figure:
-    """The picture of a world as a figure of `cell * width` by `cell * height` pixels."""
+def world_figure(world: World, cell: int | None = None) -> Figure:
+    """The picture of a world as a figure of `cell * width` by `cell * height` pixels.
+
+    By default a cell has 48 pixels, and on maps of more than 100 cells across fewer.
+    """
+    cell = cell_size(max(world.width, world.height)) if cell is None else cell
     figure = new_figure(cell * world.width, cell * world.height)
     draw_world(figure.add_axes((0, 0, 1, 1)), world)
     return figure
 
 
-def save_picture(world: World, path: str | Path, cell: int = 48) -> None:
+def cell_size(across: int) -> int:
+    """Pixels a cell, so that a map of so many cells across has a size that can be looked at."""
+    return max(1, min(_CELL, _ACROSS // across))
+
+
+def save_picture(world: World, path: str | Path, cell: int | None = None) -> None:
     """Writes the picture of a world; the suffix says in which format.
 
     Args:
         world: what to draw.
         path: ends with .png, .svg or .pdf.
-        cell: pixels a cell.
+        cell: pixels a cell; by default 48, and on maps of more than 100 cells across fewer.
 
     Raises:
         ValueError: another suffix; nothing is written.
     """
+    suffix_of(path, PICTURES)
     save_figure(world_figure(world, cell), path)
 
 
@@ -148,18 +162,21 @@ def colored_text(world: World) -> Text:
     in_hand = None if held < 0 or not world.several else world.tools[held].cell
     rows = []
     for row in range(world.height):
-        text = Text()
+        looks = []
         for column in range(world.width):
             cell = row, column
             there = above.get(cell)
-            plain = WALL if cell in world.walls else FLOOR
-            style = _STYLES[plain if there is None else there.role]
-            text.append(
-                plain if there is None else there.character,
-                f"{style} underline" if cell == in_hand else style,
-            )
-            hidden = there is not None and there.role != GOAL and cell in under
-            text.append(under[cell] if hidden else " ", _STYLES[GOAL] if hidden else style)
+            if there is None:
+                plain = WALL if cell in world.walls else FLOOR
+                looks.append((plain + " ", _STYLES[plain]))
+                continue
+            style = _STYLES[there.role]
+            looks.append((there.character, f"{style} underline" if cell == in_hand else style))
+            hidden = there.role != GOAL and cell in under
+            looks.append((under[cell], _STYLES[GOAL]) if hidden else (" ", style))
+        text = Text()
+        for style, run in groupby(looks, lambda look: look[1]):
+            text.append("".join(part for part, _ in run), style)
         rows.append(text)
     return Text("\n").join(rows)
 
@@ -191,12 +208,38 @@ def draw_shapes(ax: Axes, drawings: Iterable[Drawing]) -> None:
 
 
 def _draw_floor(ax: Axes, world: World) -> None:
-    cells = product(range(world.height), range(world.width))
-    draw_shapes(ax, [_at(cell, SHAPES["floor"]) for cell in cells])
+    """Cells with their grid lines; each line is drawn across the whole map."""
+    line, paper = SHAPES["floor"]
+    half = paper.points[0][0]  # of a line's width
+    right, bottom = float(world.width), float(world.height)
+
+    def box(x0: float, y0: float, x1: float, y1: float, fill: str) -> Shape:
+        x0, y0, x1, y1 = max(x0, 0.0), max(y0, 0.0), min(x1, right), min(y1, bottom)
+        return Shape(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), fill)
+
+    down = [box(x - half, 0, x + half, bottom, line.fill) for x in range(world.width + 1)]
+    across = [box(0, y - half, right, y + half, line.fill) for y in range(world.height + 1)]
+    draw_shapes(ax, [(box(0, 0, right, bottom, paper.fill), *down, *across)])
 
 
 def _draw_walls(ax: Axes, world: World) -> None:
-    draw_shapes(ax, [_at(cell, SHAPES["wall"]) for cell in sorted(world.walls)])
+    cells = np.array(sorted(world.walls), float).reshape(-1, 2)
+    for shape in SHAPES["wall"]:
+        ax.add_collection(repeated(ax, shape, cells, facecolors=shape.fill), autolim=False)
+
+
+def repeated(
+    ax: Axes, shape: Shape, cells: Float64[np.ndarray, "n 2"], **looks: Any
+) -> PolyCollection:
+    """A shape in each of some cells (row, column), for axes: one outline, and where it is.
+
+    However many cells there are, this is as quick to make as one, and its files stay small.
+    """
+    places = AffineDeltaTransform(cast("Any", ax.transData))
+    offsets = cells[:, ::-1]
+    return PolyCollection(
+        [shape.points], offsets=offsets, offset_transform=places, linewidths=0, snap=False, **looks
+    )
 
 
 def things_of(world: World, agent: Cell | None) -> dict[Cell, Drawing]:

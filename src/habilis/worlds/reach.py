@@ -76,7 +76,7 @@ def reachable(
                 after = _after(world, grid, packing, keys, ways)
                 rows.append(found.add(after.ravel()).reshape(after.shape))
                 if len(found) > max_states:
-                    raise _too_many(world, horizon, max_states)
+                    raise too_many(world, horizon, max_states)
                 tell(first + len(keys), len(found))
             done, level = frontier, level + 1
     known = found.keys
@@ -132,7 +132,8 @@ def _after(
     )
 
 
-def _too_many(world: World, horizon: int | None, max_states: int) -> TooManyPlacementsError:
+def too_many(world: World, horizon: int | None, max_states: int) -> TooManyPlacementsError:
+    """The error that says how many placements there are, and what to do."""
     if horizon is None:
         return TooManyPlacementsError(
             f"{world.name}: more than {max_states:,} placements can be reached; take things away, "

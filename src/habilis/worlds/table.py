@@ -1,12 +1,13 @@
 """From a world to its table."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Int32
 
 from habilis.mdp import HELD, TabularMDP
+from habilis.progress import progress_bar
 from habilis.worlds.described import actions_of, describe, rewards
 from habilis.worlds.moving import put
 from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
@@ -45,8 +46,7 @@ def tabulate(
             `reachable`; the first is the table's start.
         max_states: how many placements to accept; each takes about 80 bytes, and 190 while the
             table is made.
-        show_progress: whether to draw a progress bar on standard error while placements are
-            reached.
+        show_progress: whether to draw a progress bar on standard error, once it takes two seconds.
 
     Returns:
         A table with factors "agent", "object" and, unless the tool is "none", "tool"; flags
@@ -69,10 +69,16 @@ def tabulate(
     if world.several or starts is not None:
         starts = [start_of(world)] if starts is None else starts
         return reachable(world, starts, None, max_states, show_progress)[0].slippery(slip)
-    return _whole(world, max_states).slippery(slip)
+    return _whole(world, max_states, show_progress).slippery(slip)
 
 
-def _whole(world: World, max_states: int) -> TabularMDP:
+def placements(world: World) -> int:
+    """How many placements a world with one object and at most one tool has at most."""
+    grid = Grid.of(world)
+    return len(_hands(world, grid)) * len(grid.free)
+
+
+def _whole(world: World, max_states: int, show_progress: bool = False) -> TabularMDP:
     """The table of a world with one object and at most one tool, all placements in it."""
     grid, kinds = Grid.of(world), Kinds.of(world)
     hands = _hands(world, grid)
@@ -92,9 +98,9 @@ def _whole(world: World, max_states: int) -> TabularMDP:
     tools = [hands[hand, 1]] if world.tools else []
     at = Places.of(grid, hands[hand, 0], tuple(tools), (thing,))
 
-    ways = [_led(grid, kinds, at, state_of, hand_of, len(actions_of(world)), True)]
-    if world.tool_slip:
-        ways.append(_led(grid, kinds, at, state_of, hand_of, len(actions_of(world)), False))
+    actions, works = len(actions_of(world)), [True, False] if world.tool_slip else [True]
+    with progress_bar("placements", show_progress) as tell:
+        ways = [_led(grid, kinds, at, state_of, hand_of, actions, way, tell) for way in works]
     start_tool = _tool_cell(world, grid) if world.tools else grid.nowhere
     start = state_of[hand_of[grid.index(world.agent), start_tool], grid.index(world.object)]
     return describe(world, grid, at, ways[0], int(start), *ways[1:])
@@ -108,6 +114,7 @@ def _led(
     hand_of: Int32[np.ndarray, "cells cells"],
     actions: int,
     works: bool,
+    tell: Callable[[int, int], None],
 ) -> Int32[np.ndarray, "S A"]:
     """Where each action leads."""
     next_state = np.empty((len(at.agent), actions), np.int32)
@@ -118,6 +125,7 @@ def _led(
             to = successor(grid, kinds, action, part, works)
             tool = to.tools[0] if to.tools else grid.nowhere
             next_state[block, action] = state_of[hand_of[to.agent, tool], to.objects[0]]
+        tell(first + len(part.agent), len(at.agent))
     return next_state
 
 

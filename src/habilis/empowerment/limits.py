@@ -1,0 +1,110 @@
+"""What a computation may cost, and the error that refuses more."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a computation may cost.
+
+    Attributes:
+        gib: memory in use at once, in GiB.
+        seconds: time.
+    """
+
+    gib: float
+    seconds: float
+
+
+MAX_GIB, MAX_SECONDS = 8.0, 3600.0
+"""What a computation may cost where nobody says."""
+
+UNLIMITED = Limits(inf, inf)
+
+_TRIAL = 0.5  # seconds before the rest is first estimated from what they did
+_STARTED = 10.0  # seconds after which a computation is no longer refused
+
+Progress = Callable[[float], None]
+"""Receives the share that is done, from 0 to 1."""
+
+
+def unwatched(share: float) -> None:
+    """For what nobody waits for."""
+
+
+class TooMuchError(ValueError):
+    """A computation that would cost more than it may.
+
+    Attributes:
+        horizon: that was asked for.
+        fitting: the largest that fits; -1 where none does.
+    """
+
+    def __init__(self, message: str, horizon: int, fitting: int):
+        super().__init__(message)
+        self.horizon, self.fitting = horizon, fitting
+
+
+def too_much(
+    horizon: int, fitting: int, limits: Limits, cost: str = "turns out to take more memory"
+) -> TooMuchError:
+    """The error that names the largest horizon that fits."""
+    best = f"the largest horizon that fits is {fitting}" if fitting >= 0 else "no horizon fits"
+    message = (
+        f"horizon {horizon} {cost}; the limits are {limits.gib:g} GiB and {limits.seconds:g} s, "
+        f"and {best}: use it, raise max_gib or max_seconds, or ask for a lower bound "
+        "with method='sampled'"
+    )
+    return TooMuchError(message, horizon, fitting)
+
+
+def takes(gib: float, seconds: float) -> str:
+    """The cost of a computation as the error words it."""
+    return f"takes about {gib:.3g} GiB and {seconds:.3g} s"
+
+
+def check_memory(gib: float, fitting: int, horizon: int, limits: Limits) -> None:
+    """Refuses a computation that needs more memory than the limit.
+
+    Raises:
+        TooMuchError: as above; `fitting` is named as the largest horizon that fits.
+    """
+    if gib > limits.gib:
+        raise too_much(horizon, fitting, limits, f"takes about {gib:.3g} GiB")
+
+
+def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress) -> Progress:
+    """A function to call with the share done: it refuses what turns out to take too long.
+
+    The first moments of a computation are its own trial: from the share that they did follows the
+    time of the whole. Refusals come in these moments only, so none costs much. No share is exact,
+    so trials are made again as time goes by.
+
+    Args:
+        horizon: that was asked for.
+        steps: how many actions are gone through for it.
+        gib: memory foreseen.
+        limits: of time.
+        tell: is passed every share.
+
+    Returns:
+        The function; it raises a `TooMuchError`.
+    """
+    began = time.monotonic()
+    next_trial = [min(_TRIAL, limits.seconds / 10)]
+
+    def watch(share: float) -> None:
+        tell(share)
+        elapsed = time.monotonic() - began
+        if not 0 < share < 1 or not next_trial[0] <= elapsed < _STARTED:
+            return
+        next_trial[0] = 2 * elapsed
+        seconds = elapsed / share
+        if seconds > limits.seconds:
+            fitting = min(int(steps * limits.seconds / seconds), horizon - 1)
+            raise too_much(horizon, fitting, limits, takes(gib, seconds))
+
+    return watch

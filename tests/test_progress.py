@@ -1,0 +1,137 @@
+"""A bar appears for what takes long, on standard error, and for nothing else."""
+
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import habilis as hb
+from habilis import progress
+from habilis.cli import main
+from habilis.empowerment.futures import futures
+from habilis.empowerment.horizons import empowerment_by_horizon
+from habilis.empowerment.limits import Limits, watched
+from habilis.empowerment.measures import compare
+from habilis.empowerment.pairs import pairs
+from habilis.empowerment.usefulness import usefulness
+from habilis.progress import progress_bar
+
+
+@pytest.fixture
+def terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Standard error as a terminal, on which nobody waits for a bar."""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(progress, "PATIENCE", 0.0)
+
+
+def test_a_bar_says_what_is_counted_and_how_far_it_is(terminal, capsys):
+    with progress_bar("beans", True) as tell:
+        tell(3, 8)
+        time.sleep(0.3)
+    shown = capsys.readouterr()
+    assert "beans" in shown.err
+    assert "3/8" in shown.err
+    assert shown.out == ""
+
+
+def test_what_is_done_at_once_shows_no_bar(terminal, capsys, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(progress, "PATIENCE", 60.0)
+    with progress_bar("beans", True) as tell:
+        tell(3, 8)
+    assert capsys.readouterr().err == ""
+
+
+def test_without_being_asked_for_there_is_no_bar(terminal, capsys):
+    with progress_bar("beans", False) as tell:
+        tell(3, 8)
+        time.sleep(0.1)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_bar_within_another_is_a_line_below_it(terminal, capsys):
+    with progress_bar("pods", True) as outer:
+        outer(1, 2)
+        with progress_bar("beans", True) as inner:
+            inner(3, 8)
+            time.sleep(0.3)
+        with progress_bar("peas", True) as inner:
+            inner(5, 9)
+            time.sleep(0.3)
+    shown = capsys.readouterr().err
+    for text in ("pods", "1/2", "beans", "3/8", "peas", "5/9"):
+        assert text in shown
+
+
+def test_an_error_within_a_bar_ends_it(terminal, capsys):
+    with pytest.raises(ValueError, match="rotten"), progress_bar("beans", True):
+        raise ValueError("rotten")
+    with progress_bar("peas", True) as tell:
+        tell(5, 9)
+        time.sleep(0.3)
+    assert "beans" not in capsys.readouterr().err.partition("peas")[2]
+
+
+ROOM = hb.World.parse("A..\nP#.\n.C.\n..G\n", "room")
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.1])
+def test_showing_progress_changes_no_value(terminal, slip):
+    mdp = hb.tabulate(ROOM, slip)
+    for sensor in ("state", "object"):
+        plain = hb.empowerment(mdp, 2, sensor, states=range(9))
+        shown = hb.empowerment(mdp, 2, sensor, states=range(9), show_progress=True)
+        assert np.array_equal(plain, shown)
+    plain, shown = hb.landscape(ROOM, 1), hb.landscape(ROOM, 1, show_progress=True)
+    assert np.array_equal(plain.values, shown.values, equal_nan=True)
+    tools = ["picker", "none"]
+    assert compare(ROOM, tools, 2) == compare(ROOM, tools, 2, show_progress=True)
+    judged = usefulness(ROOM, 2, show_progress=True)
+    assert np.array_equal(judged.with_tool, usefulness(ROOM, 2).with_tool)
+    start = mdp.start
+    choice = futures(mdp, start, 2, "object", show_progress=True)
+    assert choice.empowerment == futures(mdp, start, 2, "object").empowerment
+    rows = empowerment_by_horizon(mdp, 2, "object", show_progress=True)
+    assert np.array_equal(rows, empowerment_by_horizon(mdp, 2, "object"))
+    assert pairs(ROOM, 1, show_progress=True).tools == ("picker", "none")
+
+
+def test_counting_reports_every_share_up_to_the_whole():
+    heard: list[float] = []
+    watch = watched(9, 9, 0.0, Limits(1, 1e9), heard.append)
+    for share in (0.0, 0.5, 1.0):
+        watch(share)
+    assert heard == [0.0, 0.5, 1.0]
+
+
+@pytest.mark.parametrize(
+    "verb",
+    [
+        ["worlds", "yard", "--out", "yard.png"],
+        ["empowerment", "corridor", "--horizon", "2"],
+        ["landscape", "corridor", "--horizon", "2", "--out", "corridor.svg"],
+        ["compare", "yard", "--horizon", "2"],
+        ["futures", "yard", "--horizon", "2", "--sensor", "object"],
+        ["solve", "yard"],
+    ],
+)
+def test_verbs_ask_for_a_bar_on_a_terminal_only(verb, tmp_path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    asked: list[bool] = []
+    enter = progress.progress_bar
+
+    for name, module in list(sys.modules.items()):
+        if name.startswith("habilis") and getattr(module, "progress_bar", None) is enter:
+
+            def spy(what: str, show: bool):
+                asked.append(show)
+                return enter(what, False)
+
+            monkeypatch.setattr(module, "progress_bar", spy)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert main(verb) == 0
+    assert any(asked)
+    asked.clear()
+    assert main([*verb, "--json"]) == 0
+    assert not any(asked)
