@@ -4,7 +4,7 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate reconstruct \
+.PHONY: test test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate reconstruct survey \
 	bench bench-sb3 page studio-picture clean
 
 # Side by side on all processors, the tests of a file together.
@@ -62,6 +62,11 @@ calibrate: $(INSTALLED)
 reconstruct: $(INSTALLED)
 	$(BIN)/habilis reconstruct yard --count 6 --out maps
 	$(BIN)/habilis reconstruct corridor --count 8 --from corridor --hot 0.3 --out maps
+
+# Every small environment of Minigrid and toy-text, by ours and by a search of its own: the table in
+# docs/explanation/is-it-right.md. An hour; goes on where it was stopped.
+survey: $(INSTALLED)
+	$(BIN)/python tests/support/survey.py docs/explanation/environments.csv
 
 # The studio's page, built into the package from studio/. Needs Node; using it does not.
 page: studio/node_modules

@@ -388,7 +388,8 @@ def test_what_is_no_environment_is_refused(
 
 def test_a_progress_bar_is_drawn_on_standard_error_when_asked():
     code = (
-        "import gymnasium, minigrid, habilis as hb;"
+        "import gymnasium, minigrid, habilis as hb, habilis.progress;"
+        "habilis.progress.PATIENCE = 0;"
         "hb.TabularMDP.from_gymnasium("
         "gymnasium.make('MiniGrid-Empty-5x5-v0'), show_progress=True)"
     )
@@ -400,6 +401,7 @@ def test_a_progress_bar_is_drawn_on_standard_error_when_asked():
         env={"FORCE_COLOR": "1", "PATH": ""},
     )
     assert "states" in done.stderr
+    assert "replays" in done.stderr
     assert done.stdout == ""
 
 

@@ -7,7 +7,6 @@ There are three ways through the code, and every property has to hold on each:
 - "many labels": more than 4096 of them: sets of states grown forward.
 """
 
-import time
 from itertools import product
 from typing import Any
 
@@ -294,10 +293,7 @@ def test_at_last_all_that_can_be_reached_is_counted_where_one_may_wait(way: str,
 def test_a_long_horizon_costs_no_more_than_reaching_everything(way: str):
     table = random_table(np.random.default_rng(3), 60, 3)
     labels = np.arange(60)
-    bits_by(way, table, labels, 100)
-    began = time.process_time()
-    bits = bits_by(way, table, labels, 3_000_000)
-    assert time.process_time() - began < 2
+    bits = bits_by(way, table, labels, 1_000_000_000)  # action by action it would not end
     assert np.array_equal(bits, bits_by(way, table, labels, 100))
 
 

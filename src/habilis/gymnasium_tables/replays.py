@@ -12,6 +12,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from habilis.progress import progress_bar
+
 LEAST_SECONDS = 2.0  # that the replays of any table may take
 _EPISODES = 10  # of random actions
 _STEPS = 100  # of such an episode, at most, and no more than 10 and one a state
@@ -126,12 +128,15 @@ class _Coverage:
         self.unseen[state].discard(path[-1])
 
 
-def replayed(dynamics: Dynamics, seconds: float) -> tuple[set[tuple[int, int]], Mismatch | None]:
+def replayed(
+    dynamics: Dynamics, seconds: float, show_progress: bool = False
+) -> tuple[set[tuple[int, int]], Mismatch | None]:
     """Replays episodes.
 
     Args:
         dynamics: the table and its environment.
         seconds: that they may take; a quarter of it, at least, for those that are made again.
+        show_progress: whether to draw a progress bar.
 
     Returns:
         The transitions (state, action) that were seen, and the first that was another than the
@@ -140,17 +145,22 @@ def replayed(dynamics: Dynamics, seconds: float) -> tuple[set[tuple[int, int]], 
     coverage = _Coverage(dynamics.successors())
     end = time.perf_counter() + seconds
     logs = []
-    for choose in _choosers(coverage, dynamics, end - seconds / 4):
-        log, mismatch = _episode(dynamics, choose, 1 + len(logs), coverage)
-        if mismatch is not None:
-            return coverage.seen, mismatch
-        logs.append(log)
-    for seed, log in enumerate(logs):
-        if time.perf_counter() > end:
-            break
-        _, mismatch = _episode(dynamics, _listed(log), -1 - seed, coverage)
-        if mismatch is not None:
-            return coverage.seen, replace(mismatch, again=True)
+    with progress_bar("transitions in replays", show_progress) as tell:
+        every = sum(map(len, coverage.unseen))
+        for choose in _choosers(coverage, dynamics, end - seconds / 4):
+            log, mismatch = _episode(dynamics, choose, 1 + len(logs), coverage)
+            if mismatch is not None:
+                return coverage.seen, mismatch
+            logs.append(log)
+            tell(len(coverage.seen), every)
+    with progress_bar("replays with other random numbers", show_progress) as tell:
+        for seed, log in enumerate(logs):
+            if time.perf_counter() > end:
+                break
+            _, mismatch = _episode(dynamics, _listed(log), -1 - seed, coverage)
+            if mismatch is not None:
+                return coverage.seen, replace(mismatch, again=True)
+            tell(seed + 1, len(logs))
     return coverage.seen, None
 
 

@@ -40,7 +40,7 @@ def table_of(
             table = enumerate_states(states, action_count(env), max_states, factors, show_progress)
         except ValueError as error:
             raise ValueError(f"{error}{_hint(env)}") from None
-        seen = verified(states, table, env, identity)
+        seen = verified(states, table, env, identity, show_progress)
         return replace(table.mdp, origin=Enumeration(states, table, seen))
 
 

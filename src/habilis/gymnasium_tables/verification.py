@@ -24,7 +24,9 @@ _CHANGES = {
 """By what they change, the modules of `gymnasium.wrappers`."""
 
 
-def verified(access: Access, found: Enumerated, env: Any, identity: Identity) -> int:
+def verified(
+    access: Access, found: Enumerated, env: Any, identity: Identity, show_progress: bool = False
+) -> int:
     """How many transitions of a table were seen in replays, which take no longer than it did.
 
     Args:
@@ -32,11 +34,13 @@ def verified(access: Access, found: Enumerated, env: Any, identity: Identity) ->
         found: its table.
         env: the environment as the user passed it.
         identity: what makes two states the same.
+        show_progress: whether to draw progress bars.
 
     Raises:
         ValueError: a step was another than the table's; the message says which, and what to do.
     """
-    seen, mismatch = _replayed(access, found, env, max(found.seconds, LEAST_SECONDS))
+    seconds = max(found.seconds, LEAST_SECONDS)
+    seen, mismatch = _replayed(access, found, env, seconds, show_progress)
     if mismatch is not None:
         advice = _advice(access, found, env, identity, mismatch)
         raise ValueError(mismatch.message(type(unwrapped(env)).__name__, advice))
@@ -45,14 +49,14 @@ def verified(access: Access, found: Enumerated, env: Any, identity: Identity) ->
 
 def follows(access: Access, found: Enumerated, env: Any, seconds: float) -> bool:
     """Whether replays of so many seconds show no difference from a table."""
-    return _replayed(access, found, env, seconds)[1] is None
+    return _replayed(access, found, env, seconds, False)[1] is None
 
 
 def _replayed(
-    access: Access, found: Enumerated, env: Any, seconds: float
+    access: Access, found: Enumerated, env: Any, seconds: float, show_progress: bool
 ) -> tuple[set[tuple[int, int]], Mismatch | None]:
     held = _Held(access, found, changes(env, "observation"), changes(env, "reward"))
-    return replayed(held, seconds)
+    return replayed(held, seconds, show_progress)
 
 
 def changes(env: Any, what: str) -> bool:
