@@ -324,7 +324,7 @@ def test_more_states_than_allowed_are_refused():
 
 
 def test_the_attribute_that_keeps_growing_is_named():
-    with pytest.raises(ValueError, match=r"leave out the attribute 'steps'.*ignore=\('steps',\)"):
+    with pytest.raises(ValueError, match=r"leave out the attribute 'steps'.*ignore=\['steps'\]"):
         TabularMDP.from_gymnasium(Counter(), max_states=40)
 
 
@@ -367,9 +367,23 @@ def test_the_package_that_registers_an_environment_may_be_named(
     assert header == "state,agent,direction,carried,door,key,bits"
 
 
+def test_attributes_are_ignored_on_the_command_line(capsys: pytest.CaptureFixture[str]):
+    gymnasium.register("habilis-tests/Counter-v0", f"{__name__}:Counter")
+    name = ["empowerment", "gym:habilis-tests/Counter-v0", "--horizon", "2"]
+    try:
+        assert main([*name, "--max-states", "40"]) == 2
+        error = capsys.readouterr().err
+        assert "raise --max-states, or leave out the attribute 'steps'" in error
+        assert "with --ignore steps if no transition depends on it" in error
+        assert printed(capsys, *name, "--ignore", "steps")["states"] == 6
+    finally:
+        del gymnasium.registry["habilis-tests/Counter-v0"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["corridor", "--ignore", "steps"], "--ignore is for environments, gym:ID; leave it out"),
         (["gym:Nope-v1"], "gym:Nope-v1 cannot be made (Environment `Nope` doesn't exist"),
         (["gym:FrozenLake-v1?x=1"], "unexpected keyword argument 'x'"),
         (["gym:nopackage:X-v1"], "No module named 'nopackage'"),

@@ -153,6 +153,8 @@ def empowerment(args: Args) -> int:
 def _table(args: Args) -> habilis.TabularMDP:
     """The table of a world or, as `gym:ID`, of a Gymnasium environment."""
     if not args.world.startswith(PREFIX):
+        if args.ignore:
+            raise ValueError("--ignore is for environments, gym:ID; leave it out")
         world = load_world(args.world, args.tool)
         show = shows_progress(args)
         return habilis.tabulate(world, args.slip, max_states=_most(args), show_progress=show)
@@ -160,7 +162,8 @@ def _table(args: Args) -> habilis.TabularMDP:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
     from habilis.gymnasium_tables import table_named
 
-    mdp = table_named(args.world.removeprefix(PREFIX), args.max_states, shows_progress(args))
+    name = args.world.removeprefix(PREFIX)
+    mdp = table_named(name, args.max_states, args.ignore, shows_progress(args))
     return mdp.slippery(args.slip) if args.slip else mdp
 
 

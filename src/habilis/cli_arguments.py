@@ -23,6 +23,8 @@ PAIRS_HORIZON = 6
 _PYTHON_ONLY = ("max_states", "key", "state", "ignore", "factors", "starts", "states")
 """Arguments that errors of the library name, besides those that are options of the verbs."""
 
+_QUOTES = "'[]"
+
 _TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
 
@@ -79,6 +81,8 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _measure(v)
     _options(v)
     _most(v)
+    text = "an attribute of an environment that is no part of its state, as a counter of steps"
+    v.add_argument("--ignore", action="append", default=[], metavar="NAME", help=text)
     v.add_argument(
         "--out", type=Path, metavar="F.csv", help="all values (.csv, .parquet, .npz, .npy)"
     )
@@ -282,7 +286,7 @@ def in_flags(message: str, flags: Mapping[str, str]) -> str:
     names = sorted({*flags, *OPTIONS, *_PYTHON_ONLY}, key=len, reverse=True)
     every, long = "|".join(names), "|".join(name for name in names if "_" in name)
     named = re.compile(
-        rf"(?<![\w./-])(?P<given>{every})=(?P<value>'[^']*'|[\w.]+)?"
+        rf"(?<![\w./-])(?P<given>{every})=(?P<value>'[^']*'|\[[^]]*\]|[\w.]+)?"
         rf"|(?<![\w./'-])(?P<long>{long})(?![\w./'=])"
         rf"|(?:^|(?<=: )|(?<=, )|(?<=and )|(?<=but ))(?P<subject>{every})(?= (?:is|has|have) )"
     )
@@ -290,7 +294,7 @@ def in_flags(message: str, flags: Mapping[str, str]) -> str:
     def said(found: re.Match[str]) -> str:
         name = found["given"] or found["long"] or found["subject"]
         if name in flags:
-            return f"{flags[name]} {(found['value'] or '').strip(chr(39))}".rstrip()
+            return f"{flags[name]} {(found['value'] or '').strip(_QUOTES)}".rstrip()
         return found[0] if found["subject"] else f"{found[0]} (in Python)"
 
     return named.sub(said, message)

@@ -32,7 +32,10 @@ def table_of(
 
 
 def table_named(
-    name: str, max_states: int | None = None, show_progress: bool = False
+    name: str,
+    max_states: int | None = None,
+    ignore: Sequence[str] = (),
+    show_progress: bool = False,
 ) -> TabularMDP:
     """The table of an environment by its name on the command line.
 
@@ -40,6 +43,7 @@ def table_named(
         name: its ID, with its arguments as in `FrozenLake-v1?map_name=8x8&is_slippery=false`; a
             package that registers it is named before it: `minigrid:MiniGrid-DoorKey-5x5-v0`.
         max_states: as in `TabularMDP.from_gymnasium`, and by default as many.
+        ignore: as there.
         show_progress: whether to draw a progress bar.
 
     Raises:
@@ -51,7 +55,7 @@ def table_named(
     env = registration.made(identity, {k: _value(v) for k, v in parse_qsl(query)})
     limit: Any = {} if max_states is None else {"max_states": max_states}
     try:
-        return TabularMDP.from_gymnasium(env, show_progress=show_progress, **limit)
+        return TabularMDP.from_gymnasium(env, ignore=ignore, show_progress=show_progress, **limit)
     except ValueError as error:
         raise ValueError(f"gym:{identity}: {error}") from None
     finally:

@@ -113,7 +113,7 @@ class _Found:
             if len(different) == len(path) > 2:
                 return (
                     f", or leave out the attribute {name!r}, which is another in every state, with "
-                    f"ignore=({name!r},) if no transition depends on it"
+                    f"ignore=[{name!r}] if no transition depends on it"
                 )
         return ", or say with key= what makes two states the same"
 
