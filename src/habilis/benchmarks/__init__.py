@@ -6,9 +6,18 @@ from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import Any
 
-BENCHMARKS = ("empowerment", "scale", "worlds", "environments", "learning", "studio", "sb3")
-_EXTRAS = {"learning": "learn", "sb3": "learn", "studio": "studio"}
-_APART = ("sb3",)  # measured when named: it needs an environment with torch
+BENCHMARKS = (
+    "empowerment",
+    "scale",
+    "worlds",
+    "environments",
+    "learning",
+    "lanes",
+    "studio",
+    "sb3",
+)
+_EXTRAS = {"learning": "learn", "lanes": "learn", "sb3": "learn", "studio": "studio"}
+_APART = ("sb3", "lanes")  # measured when named: it needs torch, or is of interest on a GPU
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,10 @@
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sized
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -101,21 +102,26 @@ class _Found:
         self.action.append(action)
 
     def _growing(self) -> str:
-        """Which attribute has another value in every state on a longest of the shortest paths."""
+        """Which attribute grows with every step of a longest one of the shortest paths."""
         path = [len(self.marks) - 1]
         while self.parent[path[-1]] >= 0:
             path.append(self.parent[path[-1]])
-        values: dict[str, set[bytes]] = {}
-        for state in path:
-            for name, part in self.access.parts(self.snapshots[state]).items():
-                values.setdefault(name, set()).add(view(part, strict=False).digest)
-        for name, different in values.items():
-            if len(different) == len(path) > 2:
+        states = [self.access.parts(self.snapshots[state]) for state in reversed(path)]
+        for name in states[0] if len(path) > 2 else ():
+            sizes = [_size(state.get(name)) for state in states]
+            if all(before < after for before, after in pairwise(sizes)):
                 return (
-                    f", or leave out the attribute {name!r}, which is another in every state, with "
+                    f", or leave out the attribute {name!r}, which grows with every step, with "
                     f"ignore=[{name!r}] if no transition depends on it"
                 )
         return ", or say with key= what makes two states the same"
+
+
+def _size(value: Any) -> float:
+    """A number itself, and how many things a container has; NaN of all else."""
+    if isinstance(value, int | float | np.number):
+        return float(value)
+    return float(len(value)) if isinstance(value, Sized) else float("nan")
 
 
 def enumerate_states(
