@@ -14,7 +14,7 @@ import numpy as np
 
 from habilis.progress import progress_bar
 
-LEAST_SECONDS = 2.0  # that the replays of any table may take
+LEAST_SECONDS = 2.0  # of the processor, that the replays of any table may take
 _EPISODES = 10  # of random actions
 _STEPS = 100  # of such an episode, at most, and no more than 10 and one a state
 
@@ -143,7 +143,7 @@ def replayed(
         table's.
     """
     coverage = _Coverage(dynamics.successors())
-    end = time.perf_counter() + seconds
+    end = time.thread_time() + seconds
     logs = []
     with progress_bar("transitions in replays", show_progress) as tell:
         every = sum(map(len, coverage.unseen))
@@ -155,7 +155,7 @@ def replayed(
             tell(len(coverage.seen), every)
     with progress_bar("replays with other random numbers", show_progress) as tell:
         for seed, log in enumerate(logs):
-            if time.perf_counter() > end:
+            if time.thread_time() > end:
                 break
             _, mismatch = _episode(dynamics, _listed(log), -1 - seed, coverage)
             if mismatch is not None:
@@ -171,14 +171,14 @@ Chooser = Callable[[int], int | None]
 def _choosers(coverage: _Coverage, dynamics: Dynamics, deadline: float) -> Iterator[Chooser]:
     """How to choose in one episode after the other."""
     starts = [dynamics.begin(0)[1]]  # of the episode before
-    while coverage.path(starts[-1]) and time.perf_counter() < deadline:
+    while coverage.path(starts[-1]) and time.thread_time() < deadline:
         before = len(coverage.seen)
         yield _to_unseen(coverage, deadline, starts)
         if len(coverage.seen) == before:
             coverage.give_up(starts[-1])
     rng = np.random.default_rng(0)
     for _ in range(_EPISODES):
-        if time.perf_counter() > deadline:
+        if time.thread_time() > deadline:
             return
         yield _random(coverage.successors, rng)
 
@@ -191,7 +191,7 @@ def _to_unseen(coverage: _Coverage, deadline: float, starts: list[int]) -> Choos
         if expected[0] < 0:
             starts.append(state)
         if not plan or state != expected[0]:
-            plan[:] = coverage.path(state) if time.perf_counter() < deadline else []
+            plan[:] = coverage.path(state) if time.thread_time() < deadline else []
         if not plan:
             return None
         action = plan.pop(0)
