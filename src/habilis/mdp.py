@@ -233,6 +233,10 @@ class TabularMDP:
 
         return table_of(env, max_states, seed, key, ignore, state, factors, show_progress)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickles: the environment that a table was made of stays behind."""
+        return vars(self) | {"origin": None}
+
     def restore(self, state: int) -> Any:
         """An environment in a state of a table that `from_gymnasium` made.
 

@@ -1,18 +1,24 @@
 """Environments that their authors wrote in ordinary ways are tabulated right, or refused."""
 
 import copy
+import dataclasses
 import itertools
+import pickle
 import random
 import re
+import threading
+import weakref
 from typing import Any
 
 import gymnasium
 import minigrid  # noqa: F401  # registers its environments
 import numpy as np
+import pygame
 import pytest
 from gymnasium.spaces import Box, Discrete
 from gymnasium.utils import EzPickle
 from gymnasium.wrappers import TimeAwareObservation, TimeLimit
+from minigrid.wrappers import NoDeath
 
 import habilis as hb
 from habilis.gymnasium_tables import enumeration
@@ -331,6 +337,193 @@ def test_functions_that_do_not_restore_a_state_are_refused():
         T(Cells(3), state=(lambda env: min(env.at, 1), put))
 
 
+class Anew(Cells):
+    """Copies are made by the constructor."""
+
+    def __deepcopy__(self, memo: Any) -> Any:
+        return type(self)()
+
+
+class Body:
+    def __init__(self, world: Any) -> None:
+        self.world = weakref.proxy(world)
+
+
+class Proxied(Cells):
+    def __init__(self) -> None:
+        super().__init__()
+        self.body = Body(self)
+
+
+class Restarts(Cells, EzPickle):
+    """Episodes do not begin as the constructor does."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        EzPickle.__init__(self)
+
+    def reset(self, **options: Any) -> tuple[Any, dict]:
+        super().reset(**options)
+        self.at = 2
+        return 2, {}
+
+
+def test_the_first_copy_is_compared_with_the_environment_itself():
+    for env in (Anew(7), Proxied()):
+        with pytest.raises(ValueError, match=r"give state=\(save, load\)"):
+            T(env)
+        assert T(env, state=(place, put)).states == env.cells
+    assert T(Restarts()).states == 5
+
+
+class Locked(Cells):
+    def __init__(self) -> None:
+        super().__init__()
+        self.lock = threading.Lock()
+        self.same_lock = self.lock
+
+
+def test_what_cannot_be_compared_does_not_matter_where_functions_say_what_a_state_is():
+    assert T(Locked(), state=(place, put)).states == 5
+
+
+class RandomLater(Cells):
+    probability = 0.001
+
+    def step(self, action: int) -> tuple[Any, float, bool, bool, dict]:
+        if self.np_random.random() < self.probability:
+            action = 1 - action
+        return super().step(action)
+
+
+class OfTheClass(Cells):
+    """Draws from a space that all instances share."""
+
+    noise = Box(0, 1, (1,))
+    probability = 0.001
+
+    def step(self, action: int) -> tuple[Any, float, bool, bool, dict]:
+        if self.noise.sample()[0] < self.probability:
+            action = 1 - action
+        return super().step(action)
+
+
+@pytest.mark.parametrize("state", [None, (place, put)])
+@pytest.mark.parametrize("kind", [RandomLater, OfTheClass])
+def test_generators_that_a_reset_makes_and_those_of_classes_are_watched(kind: Any, state: Any):
+    with pytest.raises(ValueError, match="more than one outcome"):
+        T(kind(), state=state)
+
+
+def test_the_generator_of_the_user_is_put_back(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(enumeration, "_TRIES", 100)
+    monkeypatch.setattr(RandomLater, "probability", -1.0)
+    env, other = RandomLater(), RandomLater()
+    for one in (env, other):
+        one.reset(seed=7)
+    T(env, state=(place, put))
+    assert env.np_random.random() == other.np_random.random()
+    assert env.np_random_seed == 7
+
+
+class OfAllInstances(Cells):
+    board = np.zeros(5)
+
+    def step(self, action: int) -> tuple[Any, float, bool, bool, dict]:
+        self.board[0] = (self.board[0] + action) % 5
+        return 0, 0.0, False, False, {}
+
+
+def test_state_of_a_class_is_refused():
+    with pytest.raises(ValueError, match="a step changes an attribute of the class OfAllInstances"):
+        T(OfAllInstances())
+
+
+class Ends(Cells):
+    """Ends after so many steps, whatever they are."""
+
+    def __init__(self, after: int) -> None:
+        super().__init__()
+        self.after, self.steps = after, 0
+
+    def reset(self, **options: Any) -> tuple[Any, dict]:
+        self.steps = 0
+        return super().reset(**options)
+
+    def step(self, action: int) -> tuple[Any, float, bool, bool, dict]:
+        self.steps += 1
+        super().step(action)
+        return self.at, 0.0, self.steps >= self.after, False, {}
+
+
+class LateWind(gymnasium.Wrapper):
+    def __init__(self, env: Any) -> None:
+        super().__init__(env)
+        self.count = 0
+
+    def step(self, action: Any) -> Any:
+        self.count += 1
+        return self.env.step(0 if self.count > 300 else action)
+
+
+def test_what_happens_late_in_an_episode_is_found_out():
+    for after in (20, 100, 400):
+        with pytest.raises(ValueError, match=r"its transitions depend on steps"):
+            T(Ends(after), ignore=["steps"])
+    with pytest.raises(ValueError, match="LateWind changes what a step does"):
+        T(LateWind(Cells()))
+
+
+@dataclasses.dataclass(frozen=True)
+class Clock:
+    at: int = 0
+    steps: int = 0
+
+
+class Ticks(Cells):
+    def reset(self, **options: Any) -> tuple[Any, dict]:
+        super().reset(**options)
+        self.clock = Clock()
+        return 0, {}
+
+    def step(self, action: int) -> tuple[Any, float, bool, bool, dict]:
+        at = min(max(self.clock.at + (1 if action else -1), 0), 4)
+        self.clock = Clock(at, self.clock.steps + 1)
+        return at, 0.0, False, False, {}
+
+
+def test_attributes_of_attributes_are_named_and_ignored():
+    with pytest.raises(ValueError, match=r"leave out the attribute 'clock.steps'"):
+        T(Ticks(), max_states=40)
+    assert T(Ticks(), ignore=["clock.steps"]).states == 5
+
+
+class Bits(Cells):
+    """A board of bits, and sprites that are known by their keys."""
+
+    def reset(self, **options: Any) -> tuple[Any, dict]:
+        super().reset(**options)
+        self.board = np.uint64(1 << 63)
+        self.sprites = {i: pygame.Surface((1, 1)) for i in range(2)}
+        self.box = pygame.Rect(0, 0, 1, 1)
+        return 0, {}
+
+    def step(self, action: int) -> tuple[Any, float, bool, bool, dict]:
+        if action:
+            self.board = self.board ^ np.uint64(1)
+        else:
+            self.sprites.pop(1, None)
+            self.box.x = 3
+        return 0, 0.0, False, False, {}
+
+
+def test_bits_keys_and_rectangles_are_part_of_a_state():
+    env = Bits()
+    env.reset()
+    assert T(env, seed=None).states == 4
+    assert env.box.x == 0
+
+
 # Wrappers
 
 
@@ -405,6 +598,31 @@ def test_repeat_action_is_refused_or_enumerated_through():
     assert hb.empowerment(through, 3, states=[0])[0] == np.log2(3)
     inside = T(lake())
     assert hb.empowerment(inside, 3, states=[0])[0] == 2.0
+
+
+def test_lava_that_does_not_kill_is_enumerated_through_its_wrapper():
+    env = NoDeath(gymnasium.make("MiniGrid-LavaGapS5-v0"), ("lava",), -1.0)
+    with pytest.raises(ValueError, match="NoDeath changes what a step does"):
+        T(env)
+
+    def save(env: Any) -> Any:
+        return tuple(env.unwrapped.agent_pos), env.unwrapped.agent_dir
+
+    def load(env: Any, value: Any) -> None:
+        env.unwrapped.agent_pos, env.unwrapped.agent_dir = value
+
+    through = T(env, state=(save, load))
+    inside = T(gymnasium.make("MiniGrid-LavaGapS5-v0"))
+    assert through.states > inside.states - inside.terminal.sum()
+    assert through.reward.min() == -1
+
+
+def test_a_table_is_pickled_without_its_environment():
+    env = Enclosed()
+    mdp = T(env, state=(place, put))
+    other = pickle.loads(pickle.dumps(mdp))
+    assert np.array_equal(other.next_state, mdp.next_state)
+    assert other.origin is None
 
 
 @pytest.mark.parametrize(
@@ -633,7 +851,9 @@ def test_a_table_may_be_lists_or_dictionaries_with_or_without_s(P: Any, s: bool)
     assert env.step(1)[1] == 1.0
 
 
-@pytest.mark.parametrize("P", [0.5, np.ones((3, 2, 3)) / 3, "policy", None])
+@pytest.mark.parametrize(
+    "P", [0.5, np.ones((3, 2, 3)) / 3, "policy", None, [0.1, 0.9], {}, {"a": 1}, [[1, 2], [3, 4]]]
+)
 def test_what_is_called_p_and_is_no_table_is_an_attribute(P: Any):
     assert T(WithP(P)).next_state.tolist() == [[0, 1], [0, 2], [1, 2]]
 
@@ -646,9 +866,12 @@ def test_what_is_called_p_and_is_no_table_is_an_attribute(P: Any):
         (changed(1, 0, [(1.0, 7, 0.0, False)]), "P leads to state 7; use states 0 to 2"),
         (changed(1, 0, [(0.5, 0, 0.0, False)]), "state 1 sums to 0.5"),
         (changed(1, 0, [(1.0, 0.5, 0.0, False)]), "P[1][0] is [(1.0, 0.5, 0.0, False)]; give a"),
-        ([0.1, 0.9], "P has no list of outcomes for state 0 and action 0"),
-        ({}, "P lists no outcome at all"),
-        ({"a": 1}, "P has no list of outcomes for state 0 and action 0"),
+        (
+            changed(1, 0, [(-1.0, 0, 0.0, False), (2.0, 0, 0.0, False)]),
+            "P[1][0] has probability -1",
+        ),
+        (changed(1, 0, [(1.0, float("inf"), 0.0, False)]), "P[1][0] is [(1.0, inf, 0.0, False)]"),
+        (dict(enumerate(listed())) | {"a": []}, "P has no list of outcomes for state 3 and action"),
         (changed(1, 1, [(1.0, 1, 0.0, False)]), "state 1 was expected, and state 2 came"),
         (changed(1, 1, [(1.0, 2, 5.0, False)]), "reward 5 was expected, and reward 0 came"),
         (changed(1, 1, [(1.0, 2, 0.0, True)]), "terminated=True was expected"),
@@ -685,6 +908,36 @@ def test_an_outcome_that_the_table_does_not_list_is_found_where_it_is_random():
     assert P
     with pytest.raises(ValueError, match=r"one of states .* expected, and state 3 came"):
         T(Slides(gymnasium.make("FrozenLake-v1")))
+
+
+class Elsewhere(WithP):
+    """Begins in the last state."""
+
+    def reset(self, **options: Any) -> tuple[Any, dict]:
+        super().reset(**options)
+        self.at = self.s = 2
+        return 2, {}
+
+
+class Seeds(WithP):
+    def reset(self, **options: Any) -> tuple[Any, dict]:
+        np.random.seed(0)
+        return super().reset(**options)
+
+
+def test_a_table_starts_where_a_reset_does_and_leaves_numpys_generator_alone():
+    assert T(Elsewhere(listed())).start == 2
+    np.random.seed(5)
+    expected = np.random.random()
+    np.random.seed(5)
+    T(Seeds(listed()))
+    assert np.random.random() == expected
+
+
+def test_films_of_the_user_are_not_written_over(tmp_path: Any):
+    env = gymnasium.make("FrozenLake-v1", render_mode="rgb_array")
+    T(gymnasium.wrappers.RecordVideo(env, str(tmp_path / "films"), lambda episode: True))
+    assert not list((tmp_path / "films").glob("*"))
 
 
 # What an environment need not have

@@ -3,15 +3,18 @@
 import collections
 import copy
 import datetime
+import enum
 import functools
 import logging
 import random
+import threading
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from habilis.gymnasium_tables.identity import digest, view
 
@@ -36,7 +39,10 @@ SAME: list[tuple[Any, Any]] = [
     ({"a": 1, "b": [1]}, {"b": np.array([1.0]), "a": True}),
     (collections.OrderedDict(a=1, b=2), {"b": 2, "a": 1}),
     (random.Random(1), np.random.default_rng(2)),
-    ([random.Random(1)], logging.getLogger("x")),
+    (random.Random(1), logging.getLogger("x")),
+    ([random.Random(1)], [np.random.default_rng(2)]),
+    (np.uint64(2**63), 2**63),
+    (Image.new("L", (2, 2), 7), Image.new("L", (2, 2), 7)),
 ]
 DIFFERENT: list[tuple[Any, Any]] = [
     ((0,), (1,)),
@@ -62,6 +68,13 @@ DIFFERENT: list[tuple[Any, Any]] = [
     (len, max),
     ((1).bit_length, (2).bit_length),
     (lambda: 1, lambda: 2),
+    ({0: random.Random(1)}, {1: random.Random(1)}),
+    ([random.Random(1)], []),
+    (np.uint64(2**63), np.uint64(2**63 + 1)),
+    (np.datetime64("2020-01-01"), np.datetime64("2020-01-02")),
+    (np.timedelta64(1, "D"), np.timedelta64(2, "D")),
+    (Image.new("L", (2, 2), 7), Image.new("L", (2, 2), 8)),
+    (enum.Flag("F", "A B")(0), enum.Flag("F", "A B")(1)),
 ]
 
 
@@ -103,6 +116,55 @@ def test_objects_are_their_classes_and_attributes():
     assert digest(one) == digest(other) == digest([1])
     other.mark = 3
     assert digest(one) != digest(other)
+
+
+class Board:
+    """Seen by NumPy as the same array whatever else it holds."""
+
+    def __init__(self, at: int) -> None:
+        self.at = at
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+        return np.zeros(3)
+
+
+class Grid(np.ndarray):
+    at = 0
+
+
+class Number(int):
+    pass
+
+
+def test_what_is_an_array_or_a_number_besides_keeps_its_attributes():
+    assert digest(Board(1)) != digest(Board(2))
+    one, other = np.zeros(3).view(Grid), np.zeros(3).view(Grid)
+    assert digest(one) == digest(other) == digest([0, 0, 0])
+    other.at = 1
+    assert digest(one) != digest(other)
+    seven = Number(7)
+    assert digest(seven) == digest(7)
+    seven.name = "seven"  # type: ignore[attr-defined]
+    assert digest(seven) != digest(7)
+
+
+def test_long_chains_are_compared():
+    def chain(last: int) -> Node:
+        node = Node(last)
+        for _ in range(3000):
+            node = Node(0, after=node)
+        return node
+
+    assert digest(chain(1)) == digest(chain(1))
+    assert digest(chain(1)) != digest(chain(2))
+
+
+def test_what_cannot_be_compared_is_left_out_wherever_it_is_met():
+    lock = threading.Lock()
+    with pytest.raises(ValueError, match=r"the attribute 'first' .* cannot be compared"):
+        digest(Node(1, first=lock))
+    both = Node(1, first=lock, second=lock)
+    assert view(both, strict=False).digest == digest(Node(1))
 
 
 def ring(*values: Any) -> Node:

@@ -14,6 +14,7 @@ from habilis.gymnasium_tables.indexed import Indexed
 from habilis.gymnasium_tables.keeping import kept_states
 from habilis.gymnasium_tables.snapshots import Identity, unwrapped
 from habilis.gymnasium_tables.tables import check_environment, indexed, is_indexed
+from habilis.gymnasium_tables.transition_dict import has_table
 from habilis.gymnasium_tables.verification import step_changers
 from habilis.mdp import TabularMDP
 
@@ -67,8 +68,9 @@ def same_table(one: Any, other: Any) -> bool:
     one, other = one.unwrapped, other.unwrapped
     if isinstance(one, TableEnv) and isinstance(other, TableEnv):
         return one.slip == other.slip and _content(one.mdp) == _content(other.mdp)
-    both = (one, other)
-    tables = [env.mdp if isinstance(env, TableEnv) else getattr(env, "P", None) for env in both]
+    if isinstance(one, TableEnv) or isinstance(other, TableEnv):
+        return False
+    tables = [env.P if has_table(env) else None for env in (one, other)]
     return tables[0] is tables[1] or tables[0] == tables[1]
 
 
@@ -176,6 +178,11 @@ class _EnumeratedPlaces:
         mark = self._identity.of(env).digest, False
         if mark not in self._known:  # a new episode has another layout
             self._add(env, seed=None)
+        if mark not in self._known:
+            raise ValueError(
+                f"a copy of {type(unwrapped(env)).__name__} is not in the state that it was copied "
+                "in; give state=(save, load)"
+            )
         return self._known[mark]
 
     def reached(self, env: Any, observation: Any, ended: bool) -> int | None:

@@ -11,9 +11,10 @@ import logging
 import random
 import struct
 import types
+import weakref
 from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from numbers import Number
 from typing import TYPE_CHECKING, Any
 
@@ -22,10 +23,16 @@ import numpy as np
 if TYPE_CHECKING:
     from habilis.gymnasium_tables.identity import Walk
 
-_RENDERERS = frozenset(
-    ("pygame", "pyglet", "matplotlib", "PIL", "cv2", "OpenGL", "glfw", "tkinter", "_tkinter")
+_RENDERERS = frozenset(("pyglet", "matplotlib", "OpenGL", "glfw", "tkinter", "_tkinter"))
+"""Packages whose objects are windows and figures."""
+
+_DRAWN_WITH = frozenset(
+    (
+        *("pygame.surface.Surface", "pygame.time.Clock", "pygame.font.Font"),
+        *("pygame.freetype.Font", "pygame.mixer.Sound"),
+    )
 )
-"""Packages whose objects are windows, surfaces, clocks, fonts and pictures."""
+"""Classes of other packages with which pictures are drawn."""
 
 _BOOKKEEPING: Mapping[str, frozenset[str]] = {
     "gymnasium.core.Env": frozenset(("_np_random_seed", "render_mode", "spec", "metadata")),
@@ -71,18 +78,30 @@ _Composite = Callable[["Walk", Any, int], Token]
 def encoder(cls: type) -> tuple[_Atom | None, _Composite]:
     for kinds, atom in _ATOMS:
         if issubclass(cls, kinds):
-            return atom, _instance
+            attributed = cls.__dictoffset__ and not issubclass(cls, enum.Enum | type)
+            return (None, partial(_attributed, atom)) if attributed else (atom, _instance)
     for kinds, composite in _COMPOSITES:
         if issubclass(cls, kinds):
             return None, composite
-    if cls.__module__.partition(".")[0] in _RENDERERS:
+    if cls.__module__.partition(".")[0] in _RENDERERS or full_name(cls) in _DRAWN_WITH:
         return None, _no_state
+    if any(full_name(base) == "PIL.Image.Image" for base in cls.__mro__):
+        return None, _image
     if hasattr(cls, "__array__"):
-        return None, lambda walk, value, number: walk.encode(np.asarray(value))
+        return None, _like_an_array
     return None, _instance
 
 
+def _attributed(atom: _Atom, walk: "Walk", value: Any, number: int) -> Token:
+    """A number or text of a class of its own, which may have attributes."""
+    return _instance(walk, value, number, atom(value)) if attributes(value) else atom(value)
+
+
 def _number(value: Any) -> bytes:
+    if isinstance(value, np.datetime64 | np.timedelta64):
+        return _text(repr(value))
+    if isinstance(value, np.generic):
+        value = value.item()  # compared with floats, NumPy's integers lose digits
     if isinstance(value, complex | np.complexfloating):
         if value.imag != 0:
             return b"c" + _number(value.real) + _number(value.imag)
@@ -110,10 +129,13 @@ def _bytes(value: Any) -> bytes:
 
 
 def _member(value: enum.Enum) -> bytes:
-    return b"E" + _name(type(value)) + _text(value.name)
+    return b"E" + _name(type(value)) + _text(value.name or repr(value.value))  # flags may be 0
 
 
 def _array(walk: "Walk", value: np.ndarray, number: int) -> Token:
+    if type(value) is not np.ndarray and attributes(value):
+        walk.pickled_whole = False
+        return _instance(walk, value, number, np.asarray(value))
     kind, wide = value.dtype.kind, value.dtype.itemsize > 4
     exact = kind in "bf" or (kind in "iu" and not (wide and (abs(value) >= _EXACT).any()))
     if kind == "f" and value.dtype.itemsize > 8:
@@ -124,6 +146,18 @@ def _array(walk: "Walk", value: np.ndarray, number: int) -> Token:
     if kind == "f":
         numbers[np.isnan(numbers)] = np.nan
     return _numbers(value.shape, numbers.tobytes())
+
+
+def _like_an_array(walk: "Walk", value: Any, number: int) -> Token:
+    try:
+        array = np.asarray(value)
+    except Exception:  # whatever its own code raises
+        raise IncomparableError(type(value).__name__) from None
+    return _instance(walk, value, number, array) if attributes(value) else walk.encode(array)
+
+
+def _image(walk: "Walk", value: Any, number: int) -> Token:
+    return walk.encode(["PIL.Image", value.mode, value.size, value.tobytes()])
 
 
 def _numbers(shape: tuple[int, ...], content: bytes) -> bytes:
@@ -142,8 +176,6 @@ def _sequence(walk: "Walk", value: Any, number: int) -> Token:
         (head,) = heads
         shape = struct.unpack(f"<{len(head) // 8 - 1}Q", head[8:])
         return _numbers((len(parts), *shape), b"".join(part[1 + len(head) :] for part in parts))  # type: ignore
-    if kinds == {DROPPED}:
-        return DROPPED
     return walk.node(number, b"l", parts)
 
 
@@ -161,13 +193,7 @@ def _set(walk: "Walk", value: Any, number: int) -> Token:
 def _mapping(walk: "Walk", value: Any, number: int) -> Token:
     if type(value) not in _PLAIN and attributes(value):
         return _instance(walk, value, number, dict(value.items()))
-    pairs = []
-    for key, part in value.items():
-        token = walk.encode(part)
-        if token != DROPPED:
-            pairs.append(walk.pair(walk.encode(key), token))
-    if len(value) and not pairs:
-        return DROPPED
+    pairs = [walk.pair(walk.encode(key), walk.encode(part)) for key, part in value.items()]
     return walk.node(number, b"M", pairs, ordered=False)
 
 
@@ -179,6 +205,12 @@ def _generator(walk: "Walk", value: Any, number: int) -> Token:
 def _no_state(walk: "Walk", value: Any, number: int) -> Token:
     walk.outside.append(value)
     return DROPPED
+
+
+def _reference(walk: "Walk", value: Any, number: int) -> Token:
+    """Weak references are copied as they are, and so refer to what they were copied from."""
+    walk.weak = True
+    raise IncomparableError(type(value).__name__)
 
 
 def _module(walk: "Walk", value: Any, number: int) -> Token:
@@ -224,6 +256,7 @@ def _instance(walk: "Walk", value: Any, number: int, content: Any = None) -> Tok
     """
     cls = type(value)
     walk.objects.append(id(value))
+    walk.classes.add(cls)
     if _is_rebuilt(cls):
         walk.rebuilt.append(value)
     walk.pickled_whole &= _is_pickled_whole(cls)
@@ -252,6 +285,19 @@ def _parts(cls: type, value: Any) -> dict[str, Any]:
     if cls.__module__.startswith("gymnasium.wrappers."):  # all else in them counts and records
         return {"env": value.env, "arguments": getattr(value, "_saved_kwargs", None)}
     return attributes(value)
+
+
+@cache
+def of_class(cls: type) -> tuple[Any, ...]:
+    """The spaces and random generators that instances share through their class."""
+    found = [value for base in cls.__mro__[:-1] for value in vars(base).values()]
+    kinds = (np.random.Generator, np.random.RandomState, random.Random)
+    return tuple(one for one in found if isinstance(one, kinds) or _is_space(type(one)))
+
+
+@cache
+def _is_space(cls: type) -> bool:
+    return any(full_name(base) == "gymnasium.spaces.space.Space" for base in cls.__mro__)
 
 
 @cache
@@ -319,6 +365,7 @@ _COMPOSITES: tuple[tuple[Any, _Composite], ...] = (
     ((np.random.Generator, np.random.RandomState, np.random.BitGenerator), _generator),
     (random.Random, _generator),
     (logging.Logger, _no_state),
+    ((weakref.ReferenceType, weakref.ProxyType, weakref.CallableProxyType), _reference),
     (types.ModuleType, _module),
     (types.FunctionType, _function),
     (types.CodeType, _code),

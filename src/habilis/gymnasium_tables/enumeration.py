@@ -11,10 +11,19 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int32, Int64
 
+from habilis.gymnasium_tables.encodings import attributes
 from habilis.gymnasium_tables.identity import view
 from habilis.gymnasium_tables.minigrid import is_minigrid, minigrid_factors
 from habilis.gymnasium_tables.randomness import global_states, left_alone, reseed
-from habilis.gymnasium_tables.snapshots import Access, Seen, Snapshot, reason, unwrapped
+from habilis.gymnasium_tables.snapshots import (
+    Access,
+    Seen,
+    Snapshot,
+    called,
+    reason,
+    short,
+    unwrapped,
+)
 from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
 
@@ -106,7 +115,8 @@ class _Found:
         path = [len(self.marks) - 1]
         while self.parent[path[-1]] >= 0:
             path.append(self.parent[path[-1]])
-        states = [self.access.parts(self.snapshots[state]) for state in reversed(path)]
+        found = (self.access.parts(self.snapshots[state]) for state in reversed(path))
+        states = [_flat(parts) for parts in found]
         for name in states[0] if len(path) > 2 else ():
             sizes = [_size(state.get(name)) for state in states]
             if all(before < after for before, after in pairwise(sizes)):
@@ -115,6 +125,15 @@ class _Found:
                     f"ignore=[{name!r}] if no transition depends on it"
                 )
         return ", or say with key= what makes two states the same"
+
+
+def _flat(parts: Mapping[str, Any], depth: int = 3) -> dict[str, Any]:
+    """Attributes, and those of attributes as "simulator.time"."""
+    every = dict(parts)
+    for name, part in parts.items() if depth else ():
+        inside = attributes(part) if hasattr(part, "__dict__") and not callable(part) else {}
+        every |= {f"{name}.{one}": value for one, value in _flat(inside, depth - 1).items()}
+    return every
 
 
 def _size(value: Any) -> float:
@@ -168,10 +187,10 @@ def action_count(env: Any) -> int:
         ValueError: they are not `Discrete(n)`.
     """
     space = env.action_space
-    if type(space).__name__ != "Discrete" or int(space.start) != 0:
+    if type(space).__name__ != "Discrete" or int(getattr(space, "start", 0)) != 0:
         raise ValueError(
-            f"the actions are {space}; only Discrete(n) can be enumerated: wrap the environment "
-            "in one that has such actions"
+            f"the actions are {short(space)}; only Discrete(n) can be enumerated: wrap the "
+            "environment in one that has such actions"
         )
     return int(space.n)
 
@@ -197,18 +216,17 @@ def made_step(env: Any, action: int, where: str) -> tuple[Any, np.float32, bool,
         ) from None
     if not isinstance(returned, tuple) or len(returned) != 5:
         raise ValueError(
-            f"step(action) returns {reason(ValueError(repr(returned)[:60]))}; Gymnasium's is "
+            f"step(action) returns {short(returned)}; Gymnasium's is "
             "(observation, reward, terminated, truncated, info)"
         )
     observation, reward, terminated, truncated, _ = returned
-    try:
-        earned = np.float32(reward)
-        return observation, earned, bool(terminated), bool(truncated)
-    except (TypeError, ValueError):
+    number, ended = np.asarray(reward), np.asarray(terminated)
+    if number.size != 1 or number.dtype.kind not in "biuf" or ended.size != 1:
         raise ValueError(
-            f"action {action} in {where} has reward {reward!r} and terminated {terminated!r}; "
-            "give a number and a bool"
-        ) from None
+            f"action {action} in {where} has reward {short(reward)} and terminated "
+            f"{short(terminated)}; give a number and a bool"
+        )
+    return observation, np.float32(number.item()), bool(ended.item()), bool(truncated)
 
 
 def observed(observation: Any) -> int:
@@ -233,10 +251,10 @@ def _look_into(access: Access, found: _Found, state: int, actions: int) -> list[
     env = None
     for action in range(actions):
         env = access.load(snapshot) if env is None else env
-        before = [*global_states(), *access.drawn_before(snapshot)]
+        before = [*global_states(), *access.shared(), *access.drawn_before(snapshot)]
         step, seen = _step(access, env, action, state)
         row.append(step)
-        draws = [*global_states(), *seen.drawn] != before
+        draws = [*global_states(), *access.shared(), *seen.drawn] != before
         found.add(step.mark, lambda e=env, s=seen: Snapshot(access.save(e), s), state, action)
         if step.mark == found.marks[state] and not draws:
             access.rewind(env)  # nothing happened: the next step can be made from here
@@ -307,7 +325,7 @@ def _factors(
         for snapshot in snapshots:
             env = unwrapped(access.load(snapshot))
             for name, label in factors.items():
-                asked[name].append(label(env))
+                asked[name].append(called(label, env, name=f"factor {name!r}"))
             yield env
 
     named = minigrid_factors(loaded()) if minigrid else {}
@@ -317,7 +335,10 @@ def _factors(
 
 
 def _labels(name: str, values: list[Any]) -> Int32[np.ndarray, "S"]:
-    labels = np.array(values)
+    try:
+        labels = np.array(values)
+    except ValueError:  # ragged
+        labels = np.array([values], object)
     if labels.ndim != 1 or labels.dtype.kind not in "biu":
         raise ValueError(f"factor {name!r} is not a whole number in every state; return an int")
     return labels.astype(np.int32)

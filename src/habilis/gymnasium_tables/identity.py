@@ -10,11 +10,14 @@ value; nor are the attributes of `encodings._BOOKKEEPING` and the counters of Gy
 wrappers. Nothing else is left out because of its name.
 """
 
-from collections.abc import Iterable
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 from habilis.gymnasium_tables.encodings import (
+    DROPPED,
     IncomparableError,
     Token,
     attributes,
@@ -35,6 +38,8 @@ class View:
         rebuilt: instances of `gymnasium.utils.EzPickle`, which forget their state when copied.
         objects: the ids of all instances.
         pickled_whole: whether pickling it leaves nothing out, as classes can.
+        weak: whether there are weak references in it.
+        classes: of all instances.
     """
 
     digest: bytes
@@ -43,6 +48,8 @@ class View:
     rebuilt: tuple[Any, ...]
     objects: frozenset[int]
     pickled_whole: bool
+    weak: bool
+    classes: frozenset[type]
 
 
 def view(value: Any, name: str = "", ignore: Iterable[str] = (), strict: bool = True) -> View:
@@ -60,19 +67,33 @@ def view(value: Any, name: str = "", ignore: Iterable[str] = (), strict: bool = 
     """
     walk = Walk({(id(owner), last) for owner, last in owners(value, ignore)}, strict)
     try:
-        token = walk.encode(value)
+        with deep_recursion():
+            token = walk.encode(value)
     except IncomparableError as error:
         path = ".".join([name, *error.path] if name else error.path)
-        raise ValueError(
-            f"the attribute {path!r} ({error.kind}) cannot be compared; {_ADVICE}"
-        ) from None
+        which = f"the attribute {path!r} ({error.kind})" if path else error.kind
+        raise ValueError(f"{which} cannot be compared; {_ADVICE}") from None
     except RecursionError:
         raise ValueError(
             f"{name or type(value).__name__} is nested too deeply to be compared; {_ADVICE}"
         ) from None
     whole = walk.fold(token) if isinstance(token, int) else token
-    met = (tuple(walk.generators), tuple(walk.outside), tuple(walk.rebuilt))
-    return View(hash_of(whole), *met, frozenset(walk.objects), walk.pickled_whole)
+    return View(
+        hash_of(whole),
+        *(tuple(walk.generators), tuple(walk.outside), tuple(walk.rebuilt)),
+        *(frozenset(walk.objects), walk.pickled_whole, walk.weak, frozenset(walk.classes)),
+    )
+
+
+@contextmanager
+def deep_recursion() -> Iterator[None]:
+    """For objects that refer to each other in long chains: of Python's frames, not C's."""
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(before, _DEEP))
+    try:
+        yield
+    finally:
+        sys.setrecursionlimit(before)
 
 
 def digest(value: Any, name: str = "") -> bytes:
@@ -101,6 +122,8 @@ def owners(env: Any, names: Iterable[str]) -> list[tuple[Any, str]]:
     return found
 
 
+_DEEP = 50_000  # frames: some ten thousand objects in a chain
+
 _ADVICE = "give state=(save, load), functions that return and restore a value for its state"
 
 
@@ -117,7 +140,8 @@ class Walk:
         self.outside: list[Any] = []
         self.rebuilt: list[Any] = []
         self.objects: list[int] = []
-        self.pickled_whole = True
+        self.pickled_whole, self.weak = True, False
+        self.classes: set[type] = set()
 
     def encode(self, value: Any) -> Token:
         atom, composite = encoder(type(value))
@@ -129,7 +153,11 @@ class Walk:
         self._numbers = number = self._numbers + 1
         self._known[id(value)] = number
         self._alive.append(value)
-        token = composite(self, value, number)
+        try:
+            token = composite(self, value, number)
+        except IncomparableError:
+            self._known[id(value)] = DROPPED  # met again where it is left out
+            raise
         self._known[id(value)] = token
         return token
 

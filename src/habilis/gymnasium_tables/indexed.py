@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 from jaxtyping import Bool, Int64
 
-from habilis.gymnasium_tables.access import deep_copy
+from habilis.gymnasium_tables.access import deep_copy, without_recorders
 from habilis.gymnasium_tables.enumeration import made_step
 from habilis.gymnasium_tables.identity import view
 from habilis.gymnasium_tables.randomness import left_alone, reseed
@@ -68,20 +68,11 @@ class Indexed:
             ) from None
         return int(self.twin[index]) if ended else index
 
-    def copied(self) -> Any:
-        """A copy of the environment, or the user's own where it cannot be copied."""
-        try:
-            env = deep_copy(self.env)
-        except ValueError:
-            return self.env
-        apart = view(env, strict=False).objects.isdisjoint(map(id, layers(self.env)))
-        return env if apart else self.env
-
     def restore(self, state: int) -> Any:
         """An environment in a state."""
         if not self.name:
             raise ValueError("the environment has no attribute s by which a state is restored")
-        env = self.copied()
+        env = deep_copy_or_own(self.env)
         reset(env, 0)
         setattr(unwrapped(env), self.name, self._row(state))
         return env
@@ -106,13 +97,26 @@ class Indexed:
         return int(np.flatnonzero(self.twin == state)[0])
 
 
+def deep_copy_or_own(env: Any) -> Any:
+    """A copy of an environment, or the user's own where it cannot be copied."""
+    try:
+        made = without_recorders(deep_copy(env))
+    except ValueError:
+        return env
+    if not view(made, strict=False).objects.isdisjoint(map(id, layers(env))):
+        return env
+    if getattr(unwrapped(made), "render_mode", None) == "human":
+        unwrapped(made).render_mode = None  # no window for each of the steps
+    return made
+
+
 def verified(indexed: Indexed) -> int:
     """How many transitions of a table were seen in replays of its environment.
 
     Raises:
         ValueError: one came that the table does not list.
     """
-    env = indexed.copied()
+    env = deep_copy_or_own(indexed.env)
     generators = view(env, strict=False).generators
     with left_alone(generators):
         try:

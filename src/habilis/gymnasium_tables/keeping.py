@@ -11,20 +11,22 @@ from habilis.cache import Arrays, fingerprint, kept
 from habilis.gymnasium_tables.access import access
 from habilis.gymnasium_tables.enumeration import Enumerated, action_count, enumerate_states
 from habilis.gymnasium_tables.identity import view
+from habilis.gymnasium_tables.replays import LEAST_SECONDS
 from habilis.gymnasium_tables.snapshots import Access, Identity, layers
 from habilis.gymnasium_tables.verification import follows, verified
 from habilis.mdp import TabularMDP
 
-_EDITION = 2  # of what is kept: to be raised when it becomes another
-_SECONDS = 0.5  # of replays with which a table from the disk is tried
+_EDITION = 3  # of what is kept: to be raised when it becomes another
+_COMPILED = ("builtins", "numpy", "pygame", "collections")  # known by their versions
 _FACTOR = "factor "
 
 
 def kept_states(env: Any, max_states: int, seed: int | None, identity: Identity) -> Enumerated:
     """The table of an environment by enumeration; the second time from the disk.
 
-    What is kept goes by the first state, the wrappers, and the source of their classes. Since a
-    table from the disk could be that of other code still, it is tried by replays first.
+    What is kept goes by the first state, the wrappers, and the source of the modules of all their
+    classes. Since a table from the disk could be that of other code still (of a function that
+    these call, say), it is verified by as many replays as a new one.
 
     Args:
         env, max_states, seed: as in `TabularMDP.from_gymnasium`.
@@ -56,19 +58,33 @@ def kept_states(env: Any, max_states: int, seed: int | None, identity: Identity)
 
 def _agrees(states: Access, env: Any, arrays: Arrays) -> bool:
     """Whether an environment does what a table from the disk says."""
-    return follows(states, _enumerated(arrays), env, _SECONDS)
+    seconds = max(float(arrays["seconds"]), LEAST_SECONDS)
+    return follows(states, _enumerated(arrays), env, seconds)
 
 
 def _code(env: Any) -> str | None:
-    """What the classes of an environment and its wrappers are made of; `None` if not readable."""
+    """The source of the modules of all classes in an environment and its wrappers.
+
+    Returns:
+        A fingerprint; `None` where a source cannot be read.
+    """
+    classes = {cls for layer in layers(env) for cls in view(layer, strict=False).classes}
+    modules = {base.__module__ for cls in classes for base in cls.__mro__[:-1]}
     parts = []
-    for cls in (cls for layer in layers(env) for cls in type(layer).__mro__[:-1]):
-        package = sys.modules.get(cls.__module__.partition(".")[0])
+    try:
+        for layer in layers(env):
+            inspect.getsource(type(layer))
+    except (OSError, TypeError):
+        return None
+    for name in sorted(modules):
+        package = sys.modules.get(name.partition(".")[0])
         try:
-            source = inspect.getsource(cls)
-        except (OSError, TypeError):
-            return None
-        parts.append((cls.__qualname__, getattr(package, "__version__", ""), source))
+            source = inspect.getsource(sys.modules[name])
+        except (KeyError, OSError, TypeError):
+            if name.partition(".")[0] not in _COMPILED:
+                return None
+            source = ""
+        parts.append((name, getattr(package, "__version__", ""), source))
     return fingerprint(parts)
 
 
@@ -83,6 +99,7 @@ def _arrays(found: Enumerated) -> Arrays:
         "observed": found.observed,
         "parent": found.parent,
         "action": found.action,
+        "seconds": np.array(found.seconds),
         "actions": np.array(mdp.actions, np.str_),
         **{_FACTOR + name: labels for name, labels in mdp.factors.items()},
     }

@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,6 +18,7 @@ from habilis.progress import progress_bar
 LEAST_SECONDS = 2.0  # of the processor, that the replays of any table may take
 _EPISODES = 10  # of random actions
 _STEPS = 100  # of such an episode, at most, and no more than 10 and one a state
+_LATE_STEPS = 1000  # where something may happen late in an episode
 
 
 @dataclass(frozen=True)
@@ -129,13 +131,15 @@ class _Coverage:
 
 
 def replayed(
-    dynamics: Dynamics, seconds: float, show_progress: bool = False
+    dynamics: Dynamics, seconds: float, late: bool = False, show_progress: bool = False
 ) -> tuple[set[tuple[int, int]], Mismatch | None]:
     """Replays episodes.
 
     Args:
         dynamics: the table and its environment.
         seconds: that they may take; a quarter of it, at least, for those that are made again.
+        late: whether to go on with long episodes until the time is up, since something may
+            happen late in one.
         show_progress: whether to draw a progress bar.
 
     Returns:
@@ -147,7 +151,7 @@ def replayed(
     logs = []
     with progress_bar("transitions in replays", show_progress) as tell:
         every = sum(map(len, coverage.unseen))
-        for choose in _choosers(coverage, dynamics, end - seconds / 4):
+        for choose in _choosers(coverage, dynamics, end - seconds / 4, late):
             log, mismatch = _episode(dynamics, choose, 1 + len(logs), coverage)
             if mismatch is not None:
                 return coverage.seen, mismatch
@@ -168,7 +172,9 @@ Chooser = Callable[[int], int | None]
 """From a state to the next action; `None` for the end of the episode."""
 
 
-def _choosers(coverage: _Coverage, dynamics: Dynamics, deadline: float) -> Iterator[Chooser]:
+def _choosers(
+    coverage: _Coverage, dynamics: Dynamics, deadline: float, late: bool
+) -> Iterator[Chooser]:
     """How to choose in one episode after the other."""
     starts = [dynamics.begin(0)[1]]  # of the episode before
     while coverage.path(starts[-1]) and time.thread_time() < deadline:
@@ -177,10 +183,11 @@ def _choosers(coverage: _Coverage, dynamics: Dynamics, deadline: float) -> Itera
         if len(coverage.seen) == before:
             coverage.give_up(starts[-1])
     rng = np.random.default_rng(0)
-    for _ in range(_EPISODES):
-        if time.thread_time() > deadline:
+    steps = min(_STEPS, 10 + len(coverage.successors))
+    for episode in count():
+        if time.thread_time() > deadline or (episode >= _EPISODES and not late):
             return
-        yield _random(coverage.successors, rng)
+        yield _random(coverage.successors, rng, _LATE_STEPS if late else steps)
 
 
 def _to_unseen(coverage: _Coverage, deadline: float, starts: list[int]) -> Chooser:
@@ -201,8 +208,8 @@ def _to_unseen(coverage: _Coverage, deadline: float, starts: list[int]) -> Choos
     return choose
 
 
-def _random(successors: list[list[list[int]]], rng: np.random.Generator) -> Chooser:
-    left = [min(_STEPS, 10 + len(successors))]
+def _random(successors: list[list[list[int]]], rng: np.random.Generator, steps: int) -> Chooser:
+    left = [steps]
 
     def choose(state: int) -> int | None:
         possible = [action for action, after in enumerate(successors[state]) if after]

@@ -6,6 +6,7 @@ functions of the wrapped environment that the user gives.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from inspect import signature
 from typing import Any, Protocol
 
 from habilis.gymnasium_tables.identity import View, view
@@ -44,11 +45,12 @@ class Identity:
     def of(self, env: Any) -> View:
         """The view of an environment in some state, wrapped or not."""
         if self.state is not None:
-            return view(self.state[0](env), "save(env)")
+            return view(called(self.state[0], env, name="save(env)"), "save(env)")
         inner = unwrapped(env)
         if self.key is not None:
             seen = view(inner, strict=False)
-            return replace(seen, digest=view(self.key(inner), "key(env)").digest)
+            key = called(self.key, inner, name="key(env)")
+            return replace(seen, digest=view(key, "key(env)").digest)
         if keeps_states(inner):
             return view(inner.get_state(), "get_state()")
         return view(inner, ignore=self.ignore)
@@ -71,7 +73,26 @@ def layers(env: Any) -> list[Any]:
 
 def keeps_states(inner: Any) -> bool:
     """Whether an environment has `get_state()` and `set_state(state)`."""
-    return all(callable(getattr(inner, name, None)) for name in ("get_state", "set_state"))
+    for name, given in (("get_state", ()), ("set_state", (None,))):
+        try:
+            signature(getattr(inner, name)).bind(*given)
+        except (AttributeError, TypeError, ValueError):
+            return False
+    return True
+
+
+def called(function: Callable[..., Any], *given: Any, name: str) -> Any:
+    """What a function of the user's returns.
+
+    Raises:
+        ValueError: it raises something; the message says what.
+    """
+    try:
+        return function(*given)
+    except Exception as error:
+        raise ValueError(
+            f"{name} raises {type(error).__name__}: {reason(error)}; correct it"
+        ) from None
 
 
 @dataclass(frozen=True)
@@ -107,11 +128,13 @@ class Access(Protocol):
         first: the first state.
         shown: what the environment shows in it; `None` if it was not reset.
         own: whether states are loaded into the user's own environment, not into copies.
+        counts: whether there are attributes that run on in episodes and are no part of a state.
     """
 
     first: Snapshot
     shown: Any
     own: bool
+    counts: bool
 
     def look(self, env: Any) -> Seen:
         """Which state an environment is in, wrapped or not."""
@@ -131,6 +154,10 @@ class Access(Protocol):
 
     def begin(self) -> Any:
         """The environment as the user passed it, with its wrappers, in the first state."""
+        ...
+
+    def shared(self) -> list[Any]:
+        """The states of the generators that belong to classes: all environments draw from these."""
         ...
 
     def drawn_before(self, snapshot: Snapshot) -> list[Any]:
@@ -172,7 +199,13 @@ def reset(env: Any, seed: int | None) -> Any:
 
 def reason(error: Exception) -> str:
     """The first line of an exception, or what it is."""
-    return next(iter(str(error).splitlines()), "") or type(error).__name__
+    return next(iter(str(error).splitlines()), "")[:200] or type(error).__name__
+
+
+def short(value: Any) -> str:
+    """A value in one line of at most 60 characters."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _name(env: Any) -> str:

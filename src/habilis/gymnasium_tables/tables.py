@@ -14,9 +14,10 @@ from habilis.gymnasium_tables.enumeration import (
     enumerate_states,
     made_step,
 )
-from habilis.gymnasium_tables.indexed import Indexed
+from habilis.gymnasium_tables.indexed import Indexed, deep_copy_or_own
 from habilis.gymnasium_tables.indexed import verified as verified_index
-from habilis.gymnasium_tables.snapshots import Access, Identity, reset, unwrapped
+from habilis.gymnasium_tables.randomness import left_alone
+from habilis.gymnasium_tables.snapshots import Access, Identity, reset, short, unwrapped
 from habilis.gymnasium_tables.transition_dict import has_table, listed_table
 from habilis.gymnasium_tables.verification import changes, step_changers, verified
 from habilis.mdp import TabularMDP
@@ -31,6 +32,8 @@ def table_of(
     show_progress: bool,
 ) -> TabularMDP:
     """The table of an environment, with its `origin`; see `TabularMDP.from_gymnasium`."""
+    if isinstance(max_states, bool) or not isinstance(max_states, int) or max_states < 1:
+        raise ValueError(f"max_states is {max_states!r}; give a whole number from 1 up")
     check_environment(env, identity)
     if is_indexed(env, identity):
         found = indexed(env, max_states)
@@ -69,17 +72,19 @@ def indexed(env: Any, max_states: int) -> Indexed:
         found = Indexed(env, own, own.ends, "state", np.arange(own.states))
         # It is stepped by this very table: only wrappers could make something else of it.
         return replace(found, verified=verified_index(found)) if step_changers(env) else found
-    listed = listed_table(inner, action_count(env), max_states)
-    found = Indexed(env, listed.mdp, listed.mdp.terminal, "s", listed.twin, listed.rewards)
-    begun = found.copied()
-    reset(begun, 0)
+    with left_alone():
+        begun = deep_copy_or_own(env)
+        shown = reset(begun, 0)
+    row = getattr(unwrapped(begun), "s", shown)
+    row = int(row) if isinstance(row, int | np.integer) else None
+    listed = listed_table(inner, action_count(env), max_states, row)
     name = "s" if hasattr(unwrapped(begun), "s") else ""
     if not name and changes(env, "observation"):
         raise ValueError(
             f"{type(inner).__name__} has a table P, but no attribute s that says in which of its "
             "rows it is; add it, or give state=(save, load)"
         )
-    found = replace(found, name=name)
+    found = Indexed(env, listed.mdp, listed.mdp.terminal, name, listed.twin, listed.rewards)
     return replace(found, verified=verified_index(found))
 
 
@@ -93,7 +98,9 @@ def check_environment(env: Any, identity: Identity) -> None:
     """
     inner = unwrapped(env)
     if not all(hasattr(inner, name) for name in ("action_space", "step", "reset")):
-        raise ValueError(f"{env!r} is no Gymnasium environment; give what gymnasium.make returns")
+        raise ValueError(
+            f"{short(env)} is no Gymnasium environment; give what gymnasium.make returns"
+        )
     if identity.state is not None:
         return
     layer = env

@@ -18,8 +18,13 @@ _OUTCOME = "(probability, next state, reward, terminated)"
 
 
 def has_table(inner: Any) -> bool:
-    """Whether an environment has a `P` of lists; an array or a number of this name is no table."""
-    return isinstance(getattr(inner, "P", None), Mapping | list | tuple)
+    """Whether an environment has lists `P[state][action]`; all else of this name is no table."""
+    first = getattr(inner, "P", None)
+    for _ in range(2):
+        if not isinstance(first, Mapping | list | tuple) or not len(first):
+            return False
+        first = next(iter(first.values())) if isinstance(first, Mapping) else first[0]
+    return isinstance(first, list | tuple) and all(isinstance(one, list | tuple) for one in first)
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,10 @@ class Outcomes:
         place = np.repeat(np.arange(states * actions), counts)
         flat = [outcome for row in rows for outcome in row]
         probability, after, reward, ended = (np.array(column) for column in zip(*flat, strict=True))
+        negative = np.flatnonzero(~((probability >= 0) & (probability < np.inf)))
+        if len(negative):
+            at, wrong = divmod(int(place[negative[0]]), actions), probability[negative[0]]
+            raise ValueError(f"P[{at[0]}][{at[1]}] has probability {wrong:g}; give 0 to 1")
         outside = np.flatnonzero((after < 0) | (after >= states))
         if len(outside):
             raise ValueError(f"P leads to state {after[outside[0]]}; use states 0 to {states - 1}")
@@ -75,7 +84,7 @@ def _rows(P: Any, state: int, action: int) -> list[tuple[float, int, float, bool
         ) from None
     try:
         return [(float(p), _whole(after), float(r), bool(end)) for p, after, r, end in listed]
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         raise ValueError(
             f"P[{state}][{action}] is {str(listed)[:80]}; give a list of {_OUTCOME}"
         ) from None
@@ -103,8 +112,14 @@ class Listed:
     twin: Int64[np.ndarray, "P"]
 
 
-def listed_table(inner: Any, actions: int, max_states: int) -> Listed:
+def listed_table(inner: Any, actions: int, max_states: int, begun: int | None) -> Listed:
     """The table of an environment from its `P`.
+
+    Args:
+        inner: the (unwrapped) environment.
+        actions: how many it has.
+        max_states: how many states to accept.
+        begun: the row in which a reset began an episode, if that can be seen.
 
     A state is terminal where some transition into it ends the episode. Its own transitions stay
     those of `P`.
@@ -123,10 +138,10 @@ def listed_table(inner: Any, actions: int, max_states: int) -> Listed:
             "make it with fickle_passenger=False"
         )
     found = Outcomes.of(inner.P, actions)
-    begins = getattr(inner, "initial_state_distrib", None)
-    if begins is None:
-        here = getattr(inner, "s", 0)
-        begins = np.arange(found.states) == (here if isinstance(here, int | np.integer) else 0)
+    begins = np.asarray(getattr(inner, "initial_state_distrib", 0))
+    here = 0 if begun is None or not 0 <= begun < found.states else begun
+    if begins.shape != (found.states,) or not begins[here] > 0:
+        begins = np.arange(found.states) == here
     twin = _twins(found, np.flatnonzero(begins))
     after = np.where(found.ended, twin[found.after], found.after)
     mdp = replace(

@@ -13,9 +13,7 @@ from habilis.gymnasium_tables.identity import view
 from habilis.gymnasium_tables.minigrid import is_minigrid, reward_now
 from habilis.gymnasium_tables.randomness import reseed
 from habilis.gymnasium_tables.replays import LEAST_SECONDS, Came, Mismatch, replayed
-from habilis.gymnasium_tables.snapshots import Access, Identity, Snapshot, layers, unwrapped
-
-_SHOWN = 60  # characters of a value in a message
+from habilis.gymnasium_tables.snapshots import Access, Identity, Snapshot, layers, short, unwrapped
 
 _CHANGES = {
     "observation": ("transform_observation", "stateful_observation", "array_conversion"),
@@ -56,7 +54,8 @@ def _replayed(
     access: Access, found: Enumerated, env: Any, seconds: float, show_progress: bool
 ) -> tuple[set[tuple[int, int]], Mismatch | None]:
     held = _Held(access, found, changes(env, "observation"), changes(env, "reward"))
-    return replayed(held, seconds, show_progress)
+    late = bool(access.counts or step_changers(env))  # what counts may act late in an episode
+    return replayed(held, seconds, late, show_progress)
 
 
 def changes(env: Any, what: str) -> bool:
@@ -139,7 +138,7 @@ class _Held:
             for name in sorted(wanted.keys() & here.keys())
             if view(wanted[name], strict=False).digest != view(here[name], strict=False).digest
         ]
-        pairs = [(n, _short(wanted[n]), _short(here[n])) for n in names]
+        pairs = [(n, short(wanted[n]), short(here[n])) for n in names]
         pairs = [pair for pair in pairs if pair[1] != pair[2]][:2]
         if not pairs:
             came = self.place.get(mark)
@@ -148,11 +147,6 @@ class _Held:
             ", ".join(f"{name}={value}" for name, value, _ in pairs),
             ", ".join(f"{name}={value}" for name, _, value in pairs),
         )
-
-
-def _short(value: Any) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
 
 
 def _advice(
@@ -166,6 +160,11 @@ def _advice(
         return (
             f"{', '.join(wrappers)} changes what a step does: give the environment inside of it, "
             "or state=(save, load), with which steps are made through the wrappers"
+        )
+    if "observation" in mismatch.expected and identity.ignore:
+        return (
+            f"what it shows depends on {', '.join(identity.ignore)}: let that be part of the "
+            "state, or leave it out of the observation by an ObservationWrapper"
         )
     left_out = [*identity.ignore, *(["what key= leaves out"] if identity.key else [])]
     if left_out:
