@@ -193,7 +193,7 @@ def test_the_command_line_trains_watches_and_says_how_often_it_succeeds(capsys):
     main(["watch", "run"])
     assert "reaches the goal in" in capsys.readouterr().out
     assert main(["watch", "run", "--seed", "-1"]) == 2
-    assert capsys.readouterr().err.strip() == "habilis: seed is -1; give one of 0 or more"
+    assert capsys.readouterr().err.strip() == "habilis: --seed is -1; give one of 0 or more"
 
 
 def test_actions_may_slip_too(capsys):

@@ -105,7 +105,8 @@ def test_what_is_seen_often_is_distilled_and_what_is_not_stays_new():
         ({"beta_steps": -1}, "give at least 0"),
         ({"extrinsic": 1}, "give true or false"),
         ({"algorithm": "dqn"}, "algorithm 'dqn' is unknown; use one of a2c, ppo"),
-        ({"algorithm": "q-learning", "clip": 1.0}, "setting 'clip' is unknown"),
+        ({"algorithm": "q-learning", "clip": 1.0}, "clip is a setting of a2c and ppo, not of"),
+        ({"clop": 1.0}, "setting 'clop' is unknown"),
     ],
 )
 def test_bad_settings_are_refused(change, says):
