@@ -1,8 +1,9 @@
 """Every small environment of Minigrid and toy-text: its table by ours, and by a search of its own.
 
-    python tests/support/survey.py docs/explanation/environments.csv
+    python tests/support/survey.py docs/explanation/environments.csv [SECONDS]
 
-Goes on where it was stopped: environments that are in the file are left out.
+Goes on where it was stopped: environments that are in the file are left out. A search takes at most
+so many seconds of the processor (default 300).
 """
 
 import csv
@@ -19,7 +20,6 @@ import minigrid  # noqa: F401  # registers its environments
 import habilis as hb
 
 MOST = 20_000
-SECONDS = 300.0  # of the processor, for a search
 COLUMNS = ("environment", "states", "transitions", "verified", "seconds", "outcome")
 
 
@@ -48,7 +48,7 @@ def seen(env: Any) -> Hashable:
     return env.grid.encode().tobytes(), boxes, position, int(env.agent_dir), thing(env.carrying)
 
 
-def searched(name: str) -> dict[Hashable, list[Hashable]]:
+def searched(name: str, seconds: float) -> dict[Hashable, list[Hashable]]:
     """Where each action leads, by a search of its own; situations that ended have no actions."""
     env: Any = gymnasium.make(name).unwrapped
     env.reset(seed=0)
@@ -56,8 +56,8 @@ def searched(name: str) -> dict[Hashable, list[Hashable]]:
     todo = [((seen(env), False), pickle.dumps(env))]
     began = time.process_time()
     while todo:
-        if time.process_time() - began > SECONDS:
-            raise ValueError(f"not decided: {len(found):,} situations in {SECONDS:g} s")
+        if time.process_time() - began > seconds:
+            raise ValueError(f"not decided: {len(found):,} situations in {seconds:g} s")
         here, kept = todo.pop()
         for action in range(env.action_space.n):
             after: Any = pickle.loads(kept)
@@ -83,13 +83,13 @@ def refused_soon(env: Any) -> None:
             raise
 
 
-def outcome(name: str) -> tuple[str, ...]:
+def outcome(name: str, seconds: float) -> tuple[str, ...]:
     """A row of the table."""
     began = time.perf_counter()
     try:
         env = gymnasium.make(name)
         refused_soon(env)
-        found = searched(name) if name.startswith("MiniGrid") else {}
+        found = searched(name, seconds) if name.startswith("MiniGrid") else {}
         mdp = hb.TabularMDP.from_gymnasium(env, max_states=MOST)
     except (ValueError, gymnasium.error.Error) as error:
         spent = f"{time.perf_counter() - began:.0f}"
@@ -122,7 +122,7 @@ def matched(mdp: hb.TabularMDP, found: dict[Hashable, list[Hashable]]) -> str:
     return "right"
 
 
-def main(path: Path) -> None:
+def main(path: Path, seconds: float = 300.0) -> None:
     done = set()
     if path.exists():
         with path.open(newline="") as file:
@@ -131,11 +131,11 @@ def main(path: Path) -> None:
         path.write_text(",".join(COLUMNS) + "\n")
     for name in names():
         if name not in done:
-            row = outcome(name)
+            row = outcome(name, seconds)
             with path.open("a", newline="") as file:
                 csv.writer(file, lineterminator="\n").writerow(row)
             print(*row, flush=True)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), *map(float, sys.argv[2:]))
