@@ -30,7 +30,12 @@ _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that lea
 
 
 def compared(world: World) -> list[str]:
-    """The map's own tools, as it has them, and those that come with the package, each once."""
+    """The map's own tools, as it has them, and those that come with the package, each once.
+
+    On a map without a place for a tool only the bare agent can be compared.
+    """
+    if world.tool_cell is None and not world.tools:
+        return [NO_TOOL]
     return [*dict.fromkeys([*(tool.name for tool in world.tools), *COMPARED])]
 
 
@@ -41,6 +46,16 @@ class _Parser(argparse.ArgumentParser):
         raise ValueError(f"{message}; see {self.prog} --help")
 
 
+class _VerbParser(_Parser):
+    """Refuses what a verb does not take itself, so that the line names the help of the verb."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        found, others = super().parse_known_args(args, namespace)
+        if others:
+            self.error(f"unrecognized arguments: {' '.join(others)}")
+        return found, []
+
+
 def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     """The whole command line.
 
@@ -49,7 +64,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     """
     whole = _Parser(prog="habilis", description=_ABOUT)
     whole.add_argument("--version", action="version", version=habilis.__version__)
-    verbs = whole.add_subparsers(required=True, metavar="VERB", parser_class=_Parser)
+    verbs = whole.add_subparsers(required=True, metavar="VERB", parser_class=_VerbParser)
 
     def verb(name: str, text: str, example: str) -> argparse.ArgumentParser:
         added = verbs.add_parser(
@@ -123,7 +138,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
     text = f"each {_TOOLS}, or one of the map's (default: those of the map, then"
-    text += f" {','.join(COMPARED)})"
+    text += f" {','.join(COMPARED)} where the map has a place for a tool)"
     v.add_argument("--tools", type=_words, metavar="A,B,...", help=text)
     text = f"number of actions (with --pairs up to so many, by default {PAIRS_HORIZON})"
     v.add_argument("--horizon", type=int, metavar="H", help=text)

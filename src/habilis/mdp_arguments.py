@@ -96,6 +96,8 @@ def _by_action(P: Any, axes: Axes | None) -> list[Any]:
         )
     if is_sparse(P):
         raise ValueError("P is one sparse matrix; give a sequence of them, one an action")
+    if isinstance(P, np.ndarray) and P.dtype == object and any(map(is_sparse, P.flat)):
+        raise ValueError("P is an array of sparse matrices; give a list of them, as P.tolist()")
     listed = list(P) if isinstance(P, Sequence) else []
     if any(is_sparse(matrix) for matrix in listed):
         if axes == "SAS":
@@ -115,6 +117,11 @@ def _by_action(P: Any, axes: Axes | None) -> list[Any]:
                 "an action, or axes='SAS' for one [actions, states] a state"
             )
     table = as_array("P", P)
+    if table.dtype.kind not in "biuf" and table.ndim == 0:
+        raise ValueError(
+            f"P is a {type(P).__name__}; give an array [states, actions, states], or a sequence of "
+            "scipy.sparse matrices [states, states], one an action"
+        )
     if table.ndim == 3 and axes == "ASS":
         table = np.moveaxis(table, 0, 1)
     if table.ndim != 3 or 0 in table.shape or len(table) != table.shape[2]:

@@ -1,5 +1,6 @@
 """Matrices of probabilities, checked once: channels, transitions and noisy sensors are such."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,12 +19,14 @@ def as_array(name: str, values: ArrayLike) -> np.ndarray:
 
     Raises:
         ValueError: they are lists of different lengths, no array can be made of them, entries are
-            masked (a plain array would have what the mask hides), or they are times.
+            masked (a plain array would have what the mask hides), they can be gone through only
+            once, or they are times.
     """
+    if isinstance(values, Iterator):
+        raise ValueError(f"{name} is a {type(values).__name__}; give a list, as list({name})")
     if _is_masked(values):
-        raise ValueError(
-            f"{name} has masked entries, which say nothing; give them a value, as with .filled(0)"
-        )
+        instead = ", or pass available=" if name in ("next_state", "P") else ""
+        raise ValueError(f"{name} has masked entries; fill them with .filled(value){instead}")
     try:
         array = np.asarray(values)
     except ValueError:

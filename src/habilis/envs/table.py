@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 from jaxtyping import Int8, Shaped
 
+from habilis.checks import is_probability
 from habilis.envs.observations import Observation, ranks
 from habilis.mdp import TabularMDP
 from habilis.worlds.chance import Chance
@@ -171,7 +172,7 @@ def check_episode(
         raise ValueError(f"no action is available in state {mdp.start}; give another start")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:
         raise ValueError(f"max_steps is {max_steps!r}; give a whole number of at least 1")
-    if isinstance(slip, bool) or not isinstance(slip, int | float) or not 0 <= slip <= 1:
+    if not is_probability(slip):
         raise ValueError(f"slip is {slip!r}; give a probability from 0 to 1")
 
 
