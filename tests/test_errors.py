@@ -131,6 +131,12 @@ def test_a_measure_that_cannot_be_is_refused_with_what_is_wrong(measure: Any, sa
     assert "kept_empowerment" not in str(caught.value)
 
 
+@pytest.mark.parametrize("name", [1, None, ("x", "y")])
+def test_a_measure_is_named_by_a_string(name: Any):
+    with pytest.raises(ValueError, match=r"measures has the name .*; give a string$"):
+        gymnasium.make("habilis/Yard-v0", measures={name: {"horizon": 1}})
+
+
 FLAGS = {"max_gib": "--max-gib", "method": "--method", "slip": "--slip", "runs": "--runs"}
 
 

@@ -105,7 +105,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb(
         "landscape",
-        "empowerment for every agent cell, all else where the map has it",
+        "empowerment for every agent cell, everything else as on the map",
         "habilis landscape corridor --sensor object --horizon 6 --out landscape.png",
     )
     _world(v)
@@ -118,7 +118,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb(
         "futures",
-        "what the agent would choose among, where the map has it",
+        "the action sequences worth choosing among, from the map's start",
         "habilis futures yard --sensor object --horizon 3 --agent-at 8,5 --tool-at 8,4",
     )
     _world(v)
@@ -173,7 +173,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     v.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     v.add_argument("--run", type=int, default=0, help="which of its runs (default 0)")
-    seed = "of what chance does, where it has a say (default 0)"
+    seed = "of what happens at random, in a stochastic world (default 0)"
     v.add_argument("--seed", type=int, default=0, help=seed)
     v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
     v.add_argument("--mp4", type=Path, metavar="F.mp4", help="or as a video (extra [video])")
@@ -245,7 +245,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb(
         "reconstruct",
-        "search for maps that meet stated numbers, since the paper's own cannot be had",
+        "search for maps that meet stated numbers, because the paper's own maps are not available",
         "habilis reconstruct corridor --count 6 --seed 0 --out maps",
     )
     stated = "corridor, yard, or a TOML file of stated numbers"
@@ -345,7 +345,7 @@ def _places(parser: argparse.ArgumentParser) -> None:
 
 
 def _slip(parser: argparse.ArgumentParser) -> None:
-    slip = "probability that chance replaces the action (default 0)"
+    slip = "probability that a random action replaces the chosen one (default 0)"
     parser.add_argument("--slip", type=float, default=0.0, metavar="P", help=slip)
 
 
@@ -383,7 +383,9 @@ def _cell(text: str) -> Cell:
     try:
         row, column = (int(part) for part in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no cell, as 2,6 for row,column") from None
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a cell; write row,column, as in 2,6"
+        ) from None
     return row, column
 
 

@@ -191,7 +191,7 @@ class TabularMDP:
         see "Is the number right?" in the documentation. Terminal states are not stepped out of; a
         situation that is reached both with and without the end of an episode is two states.
 
-        Then the table is held against the environment as it was passed, with its wrappers: in
+        Then the table is checked against the environment as it was passed, with its wrappers: in
         replayed episodes every step must be the table's, or the environment is refused. Where
         `P` is read, or steps are enumerated, and it cannot be copied, it is reset afterwards.
 

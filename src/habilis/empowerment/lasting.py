@@ -36,9 +36,9 @@ def persistence(
 
     where C are the strongly connected components of the table that can be reached from s, and
     o(t) is what the sensor shows in t; only available actions lead anywhere. It is at most log2 of
-    all observations that can be reached from s, some of which can be reached only once. Where C holds
-    a state in which some action changes nothing, or its cycles have for another reason no common
-    divisor but 1, empowerment is not less for any horizon that is long enough; otherwise so many
+    all observations that can be reached from s, some of which can be reached only once. Where C
+    holds a state in which some action changes nothing, or its cycles have for another reason no
+    common divisor but 1, empowerment is not less for any horizon that is long enough; otherwise so many
     observations are there in as many horizons, one after the other, as that divisor says.
 
     Args:
@@ -85,7 +85,7 @@ def _certain_table(
     used = chosen_actions(mdp, actions)
     if mdp.is_stochastic:
         raise ValueError(
-            "this table is stochastic; persistence is defined for deterministic tables only, so "
+            "this table is stochastic, and persistence is defined for deterministic tables only; "
             "leave out slip, that of the world's tool too"
         )
     if is_noisy(sensor):

@@ -14,7 +14,7 @@ from habilis.mdp import TabularMDP
 from habilis.worlds.chance import Chance
 
 MAX_STEPS = 500
-"""Steps after which an episode is cut off, unless it is told otherwise."""
+"""Steps after which an episode is cut off, unless set otherwise."""
 
 
 ACTION_MASK = "action_mask"
@@ -24,7 +24,7 @@ ACTION_MASK = "action_mask"
 class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     """A deterministic table, one step a look-up.
 
-    Observation: as told, by default the value of each factor, counted from 0 among those that it
+    Observation: as given, by default the value of each factor, counted from 0 among those that it
     has (`MultiDiscrete`). Action: `Discrete`, the table's. Reward and termination are the table's;
     an episode is cut off (truncated) after `max_steps`. Episodes begin in the table's start. `info`
     has the state's index as "state", and what the given columns say of the state.
@@ -35,7 +35,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
 
     Attributes:
         mdp: the table.
-        slip: the probability that chance takes the place of the chosen action.
+        slip: the probability that a random action replaces the chosen one.
         state: the index of the state that the environment is in.
 
     Example:
