@@ -49,7 +49,7 @@ def check_types(settings: Any) -> None:
     for f in fields(settings):
         value, wanted = getattr(settings, f.name), type(f.default)
         if wanted in (int, float) and isinstance(value, np.integer | np.floating):
-            value = value.item()
+            value = int(value) if isinstance(value, np.integer) else float(value)
             object.__setattr__(settings, f.name, value)  # they are frozen
         _check_type(f.name, value, wanted)
 

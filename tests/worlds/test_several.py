@@ -335,7 +335,9 @@ def test_characters_of_further_things_are_not_those_of_others():
 
 @pytest.mark.parametrize("drop", ["", "drop: true\n"])
 def test_placements_as_arrays_are_the_same_placements(drop: str):
-    world = hb.World.parse(f"{drop}R = rake\nD = ball\nA....\n.PCR.\n.D#.G", name="room")
+    world = hb.World.parse(
+        f"{drop}R = rake\nD = ball\nG = goal of C\nA....\n.PCR.\n.D#.G", name="room"
+    )
     grid, things = Grid.of(world), {k: v for k, v in start_of(world).items() if k != "agent"}
     cells = agent_cells(world)
     one_by_one = places_of(world, grid, [{**things, "agent": cell} for cell in cells])

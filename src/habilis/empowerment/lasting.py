@@ -38,8 +38,8 @@ def persistence(
     o(t) is what the sensor shows in t; only available actions lead anywhere. It is at most log2 of
     all observations that can be reached from s, some of which can be reached only once. Where C
     holds a state in which some action changes nothing, or its cycles have for another reason no
-    common divisor but 1, empowerment is not less for any horizon that is long enough; otherwise so many
-    observations are there in as many horizons, one after the other, as that divisor says.
+    common divisor but 1, empowerment is not less for any horizon that is long enough; otherwise so
+    many observations are there in as many horizons, one after the other, as that divisor says.
 
     Args:
         mdp: a deterministic table, or a world, which is tabulated.

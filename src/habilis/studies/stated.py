@@ -150,7 +150,7 @@ def load_stated(name: str | Path) -> StatedMap:
         ) from error
 
 
-_WANTED = "give one [map], and a [[number]] for each stated number"
+_ENTRIES = "give one [map], and a [[number]] for each stated number"
 
 
 def parse_stated(text: str, name: str = "list") -> StatedMap:
@@ -162,10 +162,10 @@ def parse_stated(text: str, name: str = "list") -> StatedMap:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{name}: not a TOML file ({error}); {_WANTED}") from error
+        raise ValueError(f"{name}: not a TOML file ({error}); {_ENTRIES}") from error
     head, entries = data.get("map"), data.get("number")
     if set(data) != {"map", "number"} or not isinstance(head, dict) or not _are_tables(entries):
-        raise ValueError(f"{name}: has {', '.join(data) or 'nothing'}; {_WANTED}")
+        raise ValueError(f"{name}: has {', '.join(data) or 'nothing'}; {_ENTRIES}")
     sizes = ("height", "width", "walls")
     if set(head) != {*sizes, "tool"} or any(_bad(int, head[size]) for size in sizes):
         raise ValueError(

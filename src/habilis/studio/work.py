@@ -54,7 +54,7 @@ def landscape(scene: Scene) -> Answer:
 
 
 def stretch(scene: Scene, first: int, end: int) -> Answer:
-    """Empowerment for some of the agent's cells, where the table is stochastic and it takes long."""
+    """Empowerment for some of the agent's cells, where chance makes it take long."""
     problem, states = _everywhere(scene)
     return {"bits": _each(problem, states[first:end])}
 
