@@ -49,7 +49,9 @@ class _Parser(argparse.ArgumentParser):
 class _VerbParser(_Parser):
     """Refuses what a verb does not take itself, so that the line names the help of the verb."""
 
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+    def parse_known_args(  # pyright: ignore[reportIncompatibleMethodOverride]
+        self, args: Any = None, namespace: Any = None
+    ) -> Any:
         found, others = super().parse_known_args(args, namespace)
         if others:
             self.error(f"unrecognized arguments: {' '.join(others)}")
