@@ -1,14 +1,15 @@
 """Whatever is given as an array is read as what it says, or refused."""
 
+import json
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import polars as pl
 import pytest
+from scipy.sparse import csr_array
 
 import habilis as hb
-from habilis.checks import check_types
 from habilis.empowerment.bonus import Bonus
 from habilis.empowerment.futures import futures
 from habilis.empowerment.horizons import empowerment_by_horizon
@@ -93,9 +94,12 @@ def _masked(values: np.ndarray) -> np.ma.MaskedArray:
 @pytest.mark.parametrize("what", MASK)
 def test_a_masked_entry_is_refused_and_a_mask_of_nothing_is_none(what: str):
     for masked in (_masked, lambda values: list(_masked(values))):
-        with pytest.raises(ValueError, match=r"masked entries.*\.filled\(0\)") as caught:
+        with pytest.raises(
+            ValueError, match=r"masked entries; fill them with \.filled\(value\)"
+        ) as caught:
             MASK[what](masked)
         assert "\n" not in str(caught.value)
+        assert ("available=" in str(caught.value)) == (what in ("next_state", "P"))
     MASK[what](np.ma.masked_array)
     MASK[what](lambda values: _masked(values).filled(0) * 0 + values)
 
@@ -193,6 +197,57 @@ def test_a_weight_too_large_to_learn_with_is_refused_as_that(beta: float):
             make()
 
 
-def test_a_number_of_numpys_is_refused_with_the_way_out():
-    with pytest.raises(ValueError, match=r"beta is .*as \.item\(\) has it"):
-        check_types(Bonus(beta=np.float32(0.1)))  # pyright: ignore[reportArgumentType]
+@pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64, np.longdouble])
+def test_a_number_of_numpys_is_a_number(kind: Any):
+    half: Any = kind(0.5)
+    config = hb.Config(intrinsic="object", horizon=1, beta=half, runs=np.int64(3))  # pyright: ignore[reportArgumentType]
+    assert config == hb.Config(intrinsic="object", horizon=1, beta=0.5, runs=3)
+    assert type(config.beta) is float
+    assert type(config.runs) is int
+    assert json.loads(json.dumps(config.as_dict()))["beta"] == 0.5
+    assert Bonus(beta=half).numbers(half) == Bonus(beta=0.5).numbers(0.5)
+    zero: Any = np.int8(0)
+    for slip in (half, zero):
+        noisy, wanted = TABLE.slippery(slip), TABLE.slippery(float(slip))
+        for action in range(TABLE.action_count):
+            difference = noisy.transition(action) - wanted.transition(action)
+            assert difference.count_nonzero() == 0
+    assert hb.tabulate(WORLD, half).is_stochastic
+    assert TableEnv(TABLE, slip=half).mdp.states == TABLE.states
+    assert hb.capacity(np.eye(2), half).bits == pytest.approx(1)
+    limits: Any = {"max_gib": half, "max_seconds": half, "tolerance": half}
+    assert hb.empowerment(RING, 1, **limits).tolist() == hb.empowerment(RING, 1).tolist()
+
+
+@pytest.mark.parametrize("slip", [np.bool_(True), np.float32("nan"), np.float32(1.5), 0.5j, "0.5"])
+def test_what_is_no_probability_is_no_slip(slip: Any):
+    for make in (lambda: TABLE.slippery(slip), lambda: TableEnv(TABLE, slip=slip)):
+        with pytest.raises(ValueError, match="give a probability from 0 to 1"):
+            make()
+
+
+@pytest.mark.parametrize("kind", [int, bool])
+def test_labels_in_a_column_are_refused_with_the_shape_that_they_must_have(kind: Any):
+    for labels in (np.arange(4)[:, None], np.arange(3)[:, None]):
+        with pytest.raises(ValueError, match=r"give labels of shape \(4,\)"):
+            hb.empowerment(RING, 1, labels.astype(kind))
+
+
+def test_what_holds_matrices_and_is_no_list_is_refused_as_that():
+    eyes = [csr_array(np.eye(2)), csr_array(np.eye(2))]
+    boxed = np.empty(2, object)
+    boxed[:] = eyes
+    refused: list[tuple[Any, str]] = [
+        ((eye for eye in eyes), r"P is a generator; give a list, as list\(P\)"),
+        (iter(eyes), r"P is a list_iterator; give a list"),
+        (boxed, r"P is an array of sparse matrices; give a list of them, as P\.tolist\(\)"),
+        ({0: eyes[0]}, r"P is a dict; give an array \[states, actions, states\]"),
+    ]
+    for given, says in refused:
+        with pytest.raises(ValueError, match=says):
+            hb.TabularMDP.stochastic(given)
+    assert hb.TabularMDP.stochastic(boxed.tolist()).action_count == 2
+    with pytest.raises(ValueError, match=r"next_state is a generator; give a list"):
+        hb.TabularMDP.deterministic(row for row in [[0]])  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match=r"actions has 1000000000000000000000; use indices from"):
+        hb.empowerment(RING, 1, actions=[0, 10**21])

@@ -1,6 +1,7 @@
 """The command line: what it prints, and how it refuses."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -211,7 +212,37 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         (["empowerment", "yard", "--horizon", "1", "--out", "f.txt"], ".csv, .parquet, .npz"),
         (["empowerment", "yard", "--horizon", "1", "--actions", "jump"], "all, moves, tool"),
         (["empowerment", "yard", "--horizon", "1", "--actions", "9"], "indices from 0 to 7"),
+        (["empowerment", "yard", "--horizon", "1", "--actions", ""], "--actions '' is unknown"),
+        (
+            ["empowerment", "yard", "--horizon", "1", "--actions", "9" * 23],
+            f"--actions has {'9' * 23}; use indices from 0 to 7",
+        ),
+        (["empowerment", "", "--horizon", "1"], "habilis: '': no such world"),
+        (["landscape", "yard", "--horizon", "1", "--max-states", "3"], "landscape --help"),
         (["empowerment", "gym:No-v0", "--horizon", "1"], "No-v0"),
+        (
+            ["empowerment", "gym:FrozenLake-v1?is_slippery", "--horizon", "1"],
+            "argument 'is_slippery' has no value",
+        ),
+        (
+            ["empowerment", "gym:FrozenLake-v1?is_slippery=", "--horizon", "1"],
+            "argument 'is_slippery' has no value",
+        ),
+        (["empowerment", "gym:FrozenLake-v1?=3", "--horizon", "1"], "'=3' has no name"),
+        (
+            ["empowerment", "gym:FrozenLake-v1?map_name=4x4&map_name=8x8", "--horizon", "1"],
+            "argument 'map_name' is given twice",
+        ),
+        (["empowerment", "gym:FrozenLake-v1?map_name=9x9", "--horizon", "1"], "(KeyError: '9x9')"),
+        (["sweep", "no.toml", "--out", "s"], "give the path of a TOML file with [config]"),
+        (
+            ["sweep", "gym:Taxi-v4", "--out", "s"],
+            "it is a Gymnasium environment); give the path of a TOML file with [config]",
+        ),
+        (
+            ["reconstruct", "gym:Taxi-v4"],
+            "(it is a Gymnasium environment); name one of corridor, yard, or the path of a TOML",
+        ),
         (
             ["empowerment", "gym:CartPole-v1", "--horizon", "1", "--max-states", "99"],
             "gym:CartPole-v1: more than 99 states can be reached",
@@ -237,7 +268,10 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         (["train", "yard", "--runs", "1", "--out", "x" * 300], "the name is too long"),
         (["reproduce", "--out", "x" * 300], "the name is too long"),
         (["worlds", "--tool", "broom"], "no world to draw"),
-        (["landscape", "yard", "--horizon", "1", "--tool-at", "a"], "no cell, as 2,6"),
+        (
+            ["landscape", "yard", "--horizon", "1", "--tool-at", "a"],
+            "'a' is not a cell; write row,column",
+        ),
         (
             ["landscape", "yard", "--tool", "none", "--horizon", "1", "--tool-at", "0,5"],
             "has no tool here",
@@ -275,6 +309,55 @@ def test_a_malformed_map_is_refused_with_place_and_mend(text, says, capsys, tmp_
     (tmp_path / "map.txt").write_text(text)
     assert main(["solve", str(tmp_path / "map.txt")]) == 2
     assert says in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("verb", "says"),
+    [
+        (["sweep", "map.txt", "--out", "s"], "not a TOML file .*; give the path of a TOML file"),
+        (["reconstruct", "map.txt"], r"not a TOML file .*; give one \[map\], and a \[\[number"),
+    ],
+)
+def test_a_map_in_the_place_of_a_list_is_refused_with_what_the_verb_takes(
+    verb, says, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "map.txt").write_text("A.C.\n...G\n")
+    assert main(verb) == 2
+    err = capsys.readouterr().err
+    assert re.search(says, err)
+    assert err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["map.txt"]
+
+
+def test_an_old_version_of_an_environment_is_refused_without_warnings():
+    command = [sys.executable, "-m", "habilis.cli", "empowerment", "gym:Taxi-v3", "--horizon", "1"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "Taxi-v4" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_compare_of_a_map_without_a_tool_compares_what_there_is(capsys, tmp_path):
+    (tmp_path / "bare.txt").write_text("A.C.\n....\n...G\n")
+    asked = ("compare", str(tmp_path / "bare.txt"), "--horizon", "2")
+    status, found = run_json(capsys, *asked)
+    assert (status, list(found["averages"])) == (0, ["none"])
+    assert run_json(capsys, *asked, "--tools", "none")[1] == found
+    assert main([*asked, "--tools", "picker"]) == 2
+    assert "no tool whose place a picker could take" in capsys.readouterr().err
+
+
+def test_json_tells_an_equal_tool_from_one_that_sampled_bounds_leave_open(capsys, tmp_path):
+    (tmp_path / "tie.txt").write_text("A.P\n...\n#.#\n.C.\n..G\n")
+    asked = ("compare", str(tmp_path / "tie.txt"), "--tools", "none,broom", "--horizon")
+    told = run_json(capsys, *asked, "3")[1]["tools"]["broom"]
+    decided = told["better_than_none"] or told["encumbers"]
+    assert (told["gap"], told["equal"]) == (0, not decided)
+    sampled = ("--method", "sampled", "--samples", "1")
+    told = run_json(capsys, *asked, "3", *sampled)[1]["tools"]["broom"]
+    assert [told[name] for name in ("better_than_none", "encumbers", "equal")] == [False] * 3
+    assert told["gap"] > 0
 
 
 def test_a_full_disk_is_one_line():

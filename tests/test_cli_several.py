@@ -109,7 +109,7 @@ def test_which_of_several_is_meant_has_to_be_said(verb, capsys, room):
     told = refused(capsys, *arguments, "--tool-at", "rake=0,1", "--tool-at", "rake=0,2")
     assert "'rake'" not in told
     assert "rake twice" in told
-    assert "is no cell" in refused(capsys, *arguments, "--tool-at", "rake=north")
+    assert "is not a cell" in refused(capsys, *arguments, "--tool-at", "rake=north")
     assert "free cell" in refused(capsys, *arguments, "--tool-at", "rake=2,2")
 
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import blocks
+import environments
 import pytest
 import reference
 
@@ -285,3 +286,11 @@ def test_lazy_names_and_those_of_the_environments_are_public_too():
     names = reference.public_names()
     assert {"habilis.train", "habilis.tabulate", "habilis.envs.WorldEnv"} <= names.keys()
     assert {f"habilis.{name}" for name in (*habilis.__all__, *habilis._LAZY)} <= names.keys()
+
+
+def test_a_refused_environment_has_its_reason_and_not_the_whole_error_in_the_table():
+    outcomes = {line.split("|")[-2].strip() for line in environments.table().splitlines()[2:]}
+    assert {one for one in outcomes if one.startswith("refused")} == {
+        "refused: random",
+        "refused: more than 20,000 states",
+    }

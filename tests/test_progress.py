@@ -2,6 +2,7 @@
 
 import sys
 import time
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -11,11 +12,14 @@ from habilis import progress
 from habilis.cli import main
 from habilis.empowerment.futures import futures
 from habilis.empowerment.horizons import empowerment_by_horizon
+from habilis.empowerment.lasting import persistence
 from habilis.empowerment.limits import Limits, watched
 from habilis.empowerment.measures import compare
 from habilis.empowerment.pairs import pairs
 from habilis.empowerment.usefulness import usefulness
 from habilis.progress import progress_bar
+from habilis.worlds.reach import reachable
+from habilis.worlds.rules import Grid
 
 
 @pytest.fixture
@@ -94,7 +98,32 @@ def test_showing_progress_changes_no_value(terminal, slip):
     assert choice.empowerment == futures(mdp, start, 2, "object").empowerment
     rows = empowerment_by_horizon(mdp, 2, "object", show_progress=True)
     assert np.array_equal(rows, empowerment_by_horizon(mdp, 2, "object"))
+    lasting = persistence(hb.tabulate(ROOM), "object")
+    assert np.array_equal(persistence(ROOM, "object", show_progress=True), lasting)
     assert pairs(ROOM, 1, show_progress=True).tools == ("picker", "none")
+
+
+def test_pairs_show_all_that_they_compute_within_their_bar(monkeypatch: pytest.MonkeyPatch):
+    shown: list[str] = []
+    _spy_on_bars(monkeypatch, lambda what, show: shown.append(what) if show else None)
+    pairs(ROOM, 1, slip=0.1, show_progress=True)
+    assert {"pairs", "placements", "components"} <= set(shown)
+
+
+def test_a_bar_is_there_before_the_placements_of_a_large_map_are_read(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    order: list[str] = []
+    _spy_on_bars(monkeypatch, lambda what, show: order.append(what) if show else None)
+
+    def read(world: hb.World) -> Grid:
+        order.append("map")
+        return grid(world)
+
+    grid = Grid.of
+    monkeypatch.setattr(Grid, "of", staticmethod(read))
+    reachable(ROOM, [{"agent": (0, 0), "tool": (1, 0), "object": (2, 1)}], 1, show_progress=True)
+    assert order[:2] == ["placements", "map"]
 
 
 def test_counting_reports_every_share_up_to_the_whole():
@@ -103,6 +132,18 @@ def test_counting_reports_every_share_up_to_the_whole():
     for share in (0.0, 0.5, 1.0):
         watch(share)
     assert heard == [0.0, 0.5, 1.0]
+
+
+def _spy_on_bars(monkeypatch: pytest.MonkeyPatch, hear: Callable[[str, bool], object]) -> None:
+    enter = progress.progress_bar
+
+    def spy(what: str, show: bool):
+        hear(what, show)
+        return enter(what, False)
+
+    for name, module in list(sys.modules.items()):
+        if name.startswith("habilis") and getattr(module, "progress_bar", None) is enter:
+            monkeypatch.setattr(module, "progress_bar", spy)
 
 
 @pytest.mark.parametrize(
@@ -119,16 +160,7 @@ def test_counting_reports_every_share_up_to_the_whole():
 def test_verbs_ask_for_a_bar_on_a_terminal_only(verb, tmp_path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     asked: list[bool] = []
-    enter = progress.progress_bar
-
-    for name, module in list(sys.modules.items()):
-        if name.startswith("habilis") and getattr(module, "progress_bar", None) is enter:
-
-            def spy(what: str, show: bool):
-                asked.append(show)
-                return enter(what, False)
-
-            monkeypatch.setattr(module, "progress_bar", spy)
+    _spy_on_bars(monkeypatch, lambda what, show: asked.append(show))
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     assert main(verb) == 0
     assert any(asked)

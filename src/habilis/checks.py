@@ -4,11 +4,24 @@ from collections.abc import Sequence
 from dataclasses import field, fields
 from typing import Any, TypeVar
 
+import numpy as np
+
 Value = TypeVar("Value")
 
 _LARGEST = 1e30  # of a number that is learned with, in float32
 _WIDEST = 65_536
 _MOST = 2_000_000_000  # of what is counted; seeds go further
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a real number, of Python's or of NumPy's; true and false are none."""
+    numbers = int, float, np.integer, np.floating
+    return isinstance(value, numbers) and not isinstance(value, bool)
+
+
+def is_probability(value: Any) -> bool:
+    """Whether a value is a number from 0 to 1."""
+    return is_number(value) and bool(0 <= value <= 1)
 
 
 def setting(default: Value, text: str, static: bool = False) -> Value:
@@ -29,9 +42,16 @@ def as_in(kind: Any, name: str) -> Any:
 
 
 def check_types(settings: Any) -> None:
-    """Refuses values that are not of their field's type, or no finite numbers."""
+    """Refuses values that are not of their field's type, or no finite numbers.
+
+    Numbers of NumPy become Python's, which JSON can hold.
+    """
     for f in fields(settings):
-        _check_type(f.name, getattr(settings, f.name), type(f.default))
+        value, wanted = getattr(settings, f.name), type(f.default)
+        if wanted in (int, float) and isinstance(value, np.integer | np.floating):
+            value = int(value) if isinstance(value, np.integer) else float(value)
+            object.__setattr__(settings, f.name, value)  # they are frozen
+        _check_type(f.name, value, wanted)
 
 
 def at_least(settings: Any, **least: float) -> None:
@@ -70,22 +90,16 @@ def widths(value: Any) -> tuple[int, ...]:
     return tuple(value)
 
 
-def _plain(value: Any) -> str:
-    """What to do with a number of NumPy's."""
-    return ", as .item() has it" if hasattr(value, "item") else ""
-
-
 def _check_type(name: str, value: Any, wanted: type) -> None:
     if wanted is bool and not isinstance(value, bool):
         raise ValueError(f"{name} is {value!r}; give true or false")
     if wanted is int and (isinstance(value, bool) or not isinstance(value, int)):
-        raise ValueError(f"{name} is {value!r}; give a whole number{_plain(value)}")
+        raise ValueError(f"{name} is {value!r}; give a whole number")
     if wanted is int and name != "seed" and not abs(value) <= _MOST:
         raise ValueError(f"{name} is {value}; give at most {_MOST:,}")
     if wanted is float:
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or not abs(value) < float("inf"):
-            raise ValueError(f"{name} is {value!r}; give a finite number{_plain(value)}")
+        if not is_number(value) or not abs(value) < float("inf"):
+            raise ValueError(f"{name} is {value!r}; give a finite number")
         if abs(value) > _LARGEST:
             size = f"{value:.3g}" if isinstance(value, float) else "too large"
             raise ValueError(

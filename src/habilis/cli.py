@@ -252,6 +252,8 @@ def compare(args: Args) -> int:
                 "useful": verdict.useful_on_average,
                 "better_than_none": verdict.better_than_none_on_average,
                 "encumbers": verdict.encumbers_on_average,
+                "equal": _equal(verdict, args.tolerance),
+                "gap": _gap(verdict),
                 "useful_share": float(verdict.useful.mean()),
                 "better_than_none_share": float(verdict.better_than_none.mean()),
                 "encumbers_share": float(verdict.encumbers.mean()),
@@ -271,6 +273,17 @@ def compare(args: Args) -> int:
     return 0
 
 
+def _gap(tool: "Usefulness") -> float:
+    """How much larger the averages that are compared can be, at most."""
+    return max(tool.gap_with_tool, tool.gap_without)
+
+
+def _equal(tool: "Usefulness", tolerance: float) -> bool:
+    """Whether a tool is neither better nor worse than none, and the bounds are tight enough."""
+    decided = tool.better_than_none_on_average or tool.encumbers_on_average
+    return not decided and _gap(tool) <= tolerance
+
+
 def _verdict(tool: "Usefulness", tolerance: float) -> str:
     useful = f"useful in {tool.useful.mean():.0%}"
     better, worse = tool.better_than_none.mean(), tool.encumbers.mean()
@@ -278,8 +291,7 @@ def _verdict(tool: "Usefulness", tolerance: float) -> str:
         return f"better than none (in {better:.0%} of placements; {useful})"
     if tool.encumbers_on_average:
         return f"encumbers the agent (in {worse:.0%} of placements; {useful})"
-    known = max(tool.gap_with_tool, tool.gap_without) <= tolerance
-    what = "equal to none" if known else "perhaps better or worse than none"
+    what = "equal to none" if _equal(tool, tolerance) else "perhaps better or worse than none"
     return f"{what} (better in {better:.0%} of placements, worse in {worse:.0%}; {useful})"
 
 
@@ -379,7 +391,7 @@ def _actions(text: str) -> list[int] | None:
         return [int(part) for part in text.split(",")]
     except ValueError:
         raise ValueError(
-            f"actions {text!r} are unknown; use all, moves, tool, or indices as 0,1,2"
+            f"--actions {text!r} is unknown; use all, moves, tool, or indices as 0,1,2"
         ) from None
 
 

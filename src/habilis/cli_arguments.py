@@ -30,7 +30,12 @@ _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that lea
 
 
 def compared(world: World) -> list[str]:
-    """The map's own tools, as it has them, and those that come with the package, each once."""
+    """The map's own tools, as it has them, and those that come with the package, each once.
+
+    On a map without a place for a tool only the bare agent can be compared.
+    """
+    if world.tool_cell is None and not world.tools:
+        return [NO_TOOL]
     return [*dict.fromkeys([*(tool.name for tool in world.tools), *COMPARED])]
 
 
@@ -41,6 +46,18 @@ class _Parser(argparse.ArgumentParser):
         raise ValueError(f"{message}; see {self.prog} --help")
 
 
+class _VerbParser(_Parser):
+    """Refuses what a verb does not take itself, so that the line names the help of the verb."""
+
+    def parse_known_args(  # pyright: ignore[reportIncompatibleMethodOverride]
+        self, args: Any = None, namespace: Any = None
+    ) -> Any:
+        found, others = super().parse_known_args(args, namespace)
+        if others:
+            self.error(f"unrecognized arguments: {' '.join(others)}")
+        return found, []
+
+
 def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     """The whole command line.
 
@@ -49,7 +66,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     """
     whole = _Parser(prog="habilis", description=_ABOUT)
     whole.add_argument("--version", action="version", version=habilis.__version__)
-    verbs = whole.add_subparsers(required=True, metavar="VERB", parser_class=_Parser)
+    verbs = whole.add_subparsers(required=True, metavar="VERB", parser_class=_VerbParser)
 
     def verb(name: str, text: str, example: str) -> argparse.ArgumentParser:
         added = verbs.add_parser(
@@ -90,7 +107,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb(
         "landscape",
-        "empowerment for every agent cell, all else where the map has it",
+        "empowerment for every agent cell, everything else as on the map",
         "habilis landscape corridor --sensor object --horizon 6 --out landscape.png",
     )
     _world(v)
@@ -103,7 +120,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb(
         "futures",
-        "what the agent would choose among, where the map has it",
+        "the action sequences worth choosing among, from the map's start",
         "habilis futures yard --sensor object --horizon 3 --agent-at 8,5 --tool-at 8,4",
     )
     _world(v)
@@ -123,7 +140,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     v.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
     text = f"each {_TOOLS}, or one of the map's (default: those of the map, then"
-    text += f" {','.join(COMPARED)})"
+    text += f" {','.join(COMPARED)} where the map has a place for a tool)"
     v.add_argument("--tools", type=_words, metavar="A,B,...", help=text)
     text = f"number of actions (with --pairs up to so many, by default {PAIRS_HORIZON})"
     v.add_argument("--horizon", type=int, metavar="H", help=text)
@@ -158,7 +175,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     )
     v.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
     v.add_argument("--run", type=int, default=0, help="which of its runs (default 0)")
-    seed = "of what chance does, where it has a say (default 0)"
+    seed = "of what happens at random, in a stochastic world (default 0)"
     v.add_argument("--seed", type=int, default=0, help=seed)
     v.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
     v.add_argument("--mp4", type=Path, metavar="F.mp4", help="or as a video (extra [video])")
@@ -230,7 +247,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
 
     v = verb(
         "reconstruct",
-        "search for maps that meet stated numbers, since the paper's own cannot be had",
+        "search for maps that meet stated numbers, because the paper's own maps are not available",
         "habilis reconstruct corridor --count 6 --seed 0 --out maps",
     )
     stated = "corridor, yard, or a TOML file of stated numbers"
@@ -330,7 +347,7 @@ def _places(parser: argparse.ArgumentParser) -> None:
 
 
 def _slip(parser: argparse.ArgumentParser) -> None:
-    slip = "probability that chance replaces the action (default 0)"
+    slip = "probability that a random action replaces the chosen one (default 0)"
     parser.add_argument("--slip", type=float, default=0.0, metavar="P", help=slip)
 
 
@@ -368,7 +385,9 @@ def _cell(text: str) -> Cell:
     try:
         row, column = (int(part) for part in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no cell, as 2,6 for row,column") from None
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a cell; write row,column, as in 2,6"
+        ) from None
     return row, column
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int32
 from numpy.typing import ArrayLike
 
+from habilis.checks import is_probability
 from habilis.mdp_arguments import (
     Axes,
     next_states,
@@ -190,7 +191,7 @@ class TabularMDP:
         see "Is the number right?" in the documentation. Terminal states are not stepped out of; a
         situation that is reached both with and without the end of an episode is two states.
 
-        Then the table is held against the environment as it was passed, with its wrappers: in
+        Then the table is checked against the environment as it was passed, with its wrappers: in
         replayed episodes every step must be the table's, or the environment is refused. Where
         `P` is read, or steps are enumerated, and it cannot be copied, it is reset afterwards.
 
@@ -308,8 +309,9 @@ class TabularMDP:
             array([[0.9, 0.1],
                    [0.9, 0.1]])
         """
-        if isinstance(slip, bool) or not isinstance(slip, int | float) or not 0 <= slip <= 1:
+        if not is_probability(slip):
             raise ValueError(f"slip is {slip!r}; give a probability from 0 to 1")
+        slip = float(slip)  # a narrower type would round all that is multiplied by it
         if slip == 0:
             return self
         there = self.available

@@ -7,12 +7,21 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int, Int32
 from numpy.typing import ArrayLike
 
-from habilis.probabilities import as_array, as_flags, is_sparse, row_stochastic, shape_of
+from habilis.probabilities import (
+    as_array,
+    as_flags,
+    is_sparse,
+    refuse_masked,
+    row_stochastic,
+    shape_of,
+)
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 Axes = Literal["SAS", "ASS"]
+
+_OR_AVAILABLE = ", or pass available="
 
 UNAVAILABLE = -1
 """The next state of an action that is not available."""
@@ -24,7 +33,7 @@ def next_states(next_state: ArrayLike, available: ArrayLike | None) -> Int32[np.
     Raises:
         ValueError: as in `TabularMDP.deterministic`.
     """
-    table = as_array("next_state", next_state)
+    table = as_array("next_state", next_state, _OR_AVAILABLE)
     if table.ndim != 2 or table.size == 0 or not np.issubdtype(table.dtype, np.integer):
         raise ValueError(
             f"next_state has shape {table.shape} and type {table.dtype}; "
@@ -96,11 +105,14 @@ def _by_action(P: Any, axes: Axes | None) -> list[Any]:
         )
     if is_sparse(P):
         raise ValueError("P is one sparse matrix; give a sequence of them, one an action")
+    if isinstance(P, np.ndarray) and P.dtype == object and any(map(is_sparse, P.flat)):
+        raise ValueError("P is an array of sparse matrices; give a list of them, as P.tolist()")
     listed = list(P) if isinstance(P, Sequence) else []
+    refuse_masked("P", listed, _OR_AVAILABLE)
     if any(is_sparse(matrix) for matrix in listed):
         if axes == "SAS":
             raise ValueError("P is a list of sparse matrices, one an action; leave out axes")
-        return [m if is_sparse(m) else as_array("P", m) for m in listed]
+        return [m if is_sparse(m) else as_array("P", m, _OR_AVAILABLE) for m in listed]
     if axes is None and any(getattr(matrix, "ndim", None) == 2 for matrix in listed):
         if len(listed) == len(listed[0]) > 1:
             raise ValueError(
@@ -114,7 +126,12 @@ def _by_action(P: Any, axes: Axes | None) -> list[Any]:
                 f"P is a list of matrices, the first of shape {shape}; give one [states, states] "
                 "an action, or axes='SAS' for one [actions, states] a state"
             )
-    table = as_array("P", P)
+    table = as_array("P", P, _OR_AVAILABLE)
+    if table.dtype.kind not in "biuf" and table.ndim == 0:
+        raise ValueError(
+            f"P is a {type(P).__name__}; give an array [states, actions, states], or a sequence of "
+            "scipy.sparse matrices [states, states], one an action"
+        )
     if table.ndim == 3 and axes == "ASS":
         table = np.moveaxis(table, 0, 1)
     if table.ndim != 3 or 0 in table.shape or len(table) != table.shape[2]:

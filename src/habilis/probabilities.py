@@ -1,5 +1,6 @@
 """Matrices of probabilities, checked once: channels, transitions and noisy sensors are such."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,17 +14,22 @@ _ROUNDING = 1e-9  # by how much a row of float64 may miss 1
 _COARSE_ROUNDING = 1e-5  # of a narrower type
 
 
-def as_array(name: str, values: ArrayLike) -> np.ndarray:
+def as_array(name: str, values: ArrayLike, otherwise: str = "") -> np.ndarray:
     """`values` as an array.
+
+    Args:
+        name: what the caller calls it, for messages.
+        values: what an array is made of.
+        otherwise: what else to do with masked entries, for messages.
 
     Raises:
         ValueError: they are lists of different lengths, no array can be made of them, entries are
-            masked (a plain array would have what the mask hides), or they are times.
+            masked (a plain array would have what the mask hides), they can be gone through only
+            once, or they are times.
     """
-    if _is_masked(values):
-        raise ValueError(
-            f"{name} has masked entries, which say nothing; give them a value, as with .filled(0)"
-        )
+    if isinstance(values, Iterator):
+        raise ValueError(f"{name} is a {type(values).__name__}; give a list, as list({name})")
+    refuse_masked(name, values, otherwise)
     try:
         array = np.asarray(values)
     except ValueError:
@@ -48,6 +54,12 @@ def as_flags(name: str, values: ArrayLike) -> np.ndarray:
     if len(other):
         raise ValueError(f"{name} has {other[0]}; give true or false for each state")
     return array.astype(bool)
+
+
+def refuse_masked(name: str, values: Any, otherwise: str = "") -> None:
+    """Raises ValueError: there are masked entries; arguments as in `as_array`."""
+    if _is_masked(values):
+        raise ValueError(f"{name} has masked entries; fill them with .filled(value){otherwise}")
 
 
 def _is_masked(values: Any) -> bool:

@@ -114,6 +114,7 @@ def test_the_command_line_calls_a_tie_a_tie(capsys: pytest.CaptureFixture[str]):
     judged = json.loads(capsys.readouterr().out)["tools"]["picker"]
     assert not judged["better_than_none"]
     assert not judged["encumbers"]
+    assert judged["equal"]
 
 
 def test_the_maps_own_tools_are_compared_first_and_as_the_map_has_them(tmp_path, capsys):
@@ -170,6 +171,8 @@ def test_the_command_line_says_useful_and_better(capsys: pytest.CaptureFixture[s
         "useful": True,
         "better_than_none": True,
         "encumbers": False,
+        "equal": False,
+        "gap": 0,
         "useful_share": pytest.approx(found.useful.mean()),
         "better_than_none_share": pytest.approx(found.better_than_none.mean()),
         "encumbers_share": pytest.approx(found.encumbers.mean()),

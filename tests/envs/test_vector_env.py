@@ -64,10 +64,10 @@ def test_where_resetting_is_disabled_the_caller_does_it():
     envs.reset(seed=0)
     envs.step(np.array([0, 0, 0]))
     assert envs.step(np.array([0, 0, 0]))[3].all()
-    with pytest.raises(ValueError, match="environment 0 has come to its end; reset it first"):
+    with pytest.raises(ValueError, match="the episode of environment 0 has ended; reset it first"):
         envs.step(np.array([0, 0, 0]))
     envs.reset(options={"reset_mask": np.array([True, True, False])})
-    with pytest.raises(ValueError, match="environment 2 has come to its end"):
+    with pytest.raises(ValueError, match="the episode of environment 2 has ended"):
         envs.step(np.array([0, 0, 0]))
     envs.reset(options={"reset_mask": np.array([False, False, True])})
     assert not envs.step(np.array([0, 0, 0]))[3].any()

@@ -10,9 +10,10 @@ from several import becomes, led, stays
 from slow_rules import by_the_rules, read, worlds
 
 import habilis as hb
-from habilis.worlds.placements import start_of
+from habilis.worlds.moving import agent_cells
+from habilis.worlds.placements import placed, places_of, start_of
 from habilis.worlds.reach import reachable
-from habilis.worlds.rules import DROP_NAME
+from habilis.worlds.rules import DROP_NAME, Grid
 
 TWO_OBJECTS = "D = can\nG = goal of C"
 DROP = "drop: true"
@@ -330,3 +331,24 @@ def test_characters_of_further_things_are_not_those_of_others():
         "AP.QG\nC.D.H\nR...T\n"
     )
     assert hb.World.parse(world.text()) == world
+
+
+@pytest.mark.parametrize("drop", ["", "drop: true\n"])
+def test_placements_as_arrays_are_the_same_placements(drop: str):
+    world = hb.World.parse(
+        f"{drop}R = rake\nD = ball\nG = goal of C\nA....\n.PCR.\n.D#.G", name="room"
+    )
+    grid, things = Grid.of(world), {k: v for k, v in start_of(world).items() if k != "agent"}
+    cells = agent_cells(world)
+    one_by_one = places_of(world, grid, [{**things, "agent": cell} for cell in cells])
+    at_once = placed(world, grid, things, cells)
+    for one, other in zip(one_by_one.cells, at_once.cells, strict=True):
+        np.testing.assert_array_equal(one, other)
+    np.testing.assert_array_equal(one_by_one.held, at_once.held)
+    for steps in (0, 2):
+        table, states = reachable(world, at_once, steps)
+        same, found = reachable(world, [{**things, "agent": cell} for cell in cells], steps)
+        assert table.states == same.states
+        np.testing.assert_array_equal(states, found)
+    with pytest.raises(ValueError, match=r"the object:ball's cell .* is a wall"):
+        placed(world, grid, {**things, "object:ball": (2, 2)}, cells)

@@ -6,6 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Int64
 
+from habilis.checks import is_number
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
 
@@ -32,8 +33,7 @@ def at_least_one(name: str, value: int) -> int:
 
 def positive(name: str, value: float) -> float:
     """`value` if it is a number above 0 (infinity is one), else a ValueError that names it."""
-    number = not isinstance(value, bool) and isinstance(value, int | float | np.number)
-    if not number or not value > 0:
+    if not is_number(value) or not value > 0:
         raise ValueError(f"{name} is {value!r}; give a number above 0")
     return float(value)
 
@@ -52,6 +52,10 @@ def chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int64[np.n
         return np.arange(mdp.action_count)
     chosen = as_array("actions", actions)
     count = mdp.action_count
+    if chosen.dtype == object and chosen.ndim == 1:  # integers beyond NumPy's
+        large = [one for one in chosen if isinstance(one, int) and not 0 <= one < count]
+        if large:
+            raise ValueError(f"actions has {large[0]}; use indices from 0 to {count - 1}")
     if chosen.ndim != 1 or not len(chosen) or not np.issubdtype(chosen.dtype, np.integer):
         raise ValueError(
             f"actions has shape {chosen.shape} and type {chosen.dtype}; "

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from habilis.checks import above_zero, at_least, check_types, one_of, setting
+from habilis.checks import above_zero, at_least, check_types, is_probability, one_of, setting
 
 SCHEDULES = ("constant", "linear", "exponential")
 EARNED = ("next", "current", "difference")
@@ -57,7 +57,7 @@ class Bonus:
         Raises:
             ValueError: discount is not from 0 to 1.
         """
-        if not isinstance(discount, int | float) or not 0 <= discount <= 1:
+        if not is_probability(discount):
             raise ValueError(f"discount is {discount!r}; give a number from 0 to 1")
         over = max(self.beta_steps, 1)
         return {

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from habilis.checks import is_number
 from habilis.probabilities import row_stochastic, shape_of
 
 if TYPE_CHECKING:
@@ -74,8 +75,7 @@ def capacity(P: Any, tolerance: float = 1e-6) -> Capacity:
 
 def checked_tolerance(tolerance: float) -> float:
     """`tolerance` if it is a number above 0, else a ValueError."""
-    number = not isinstance(tolerance, bool) and isinstance(tolerance, int | float | np.number)
-    if not number or not 0 < tolerance < np.inf:
+    if not is_number(tolerance) or not 0 < tolerance < np.inf:
         raise ValueError(f"tolerance is {tolerance!r}; give a number of bits above 0, such as 1e-6")
     return float(tolerance)
 

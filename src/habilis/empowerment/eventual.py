@@ -2,7 +2,8 @@
 
 With enough actions, whether h of them lead from one state to another depends only on h modulo a
 period: within a strongly connected component, whose cycles' lengths have the greatest common
-divisor p, there are paths of every large enough length that is right modulo p. So a huge horizon
+divisor p, there are paths of every large enough length in the right residue class
+modulo p. So a huge horizon
 can be exchanged for a smaller one with exactly the same sets.
 """
 

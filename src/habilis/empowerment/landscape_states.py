@@ -10,9 +10,9 @@ from habilis.empowerment.arguments import whole_number
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.worlds.moving import Where, agent_cells, elsewhere, free_cells
-from habilis.worlds.placements import Placement, places_of, start_of
+from habilis.worlds.placements import placed, start_of
 from habilis.worlds.reach import MAX_STATES, TooManyPlacementsError, reachable, too_many
-from habilis.worlds.rules import NONE, Grid
+from habilis.worlds.rules import NONE, Grid, Places
 from habilis.worlds.table import placements, tabulate
 from habilis.worlds.world import Cell, World
 
@@ -38,7 +38,7 @@ def asked(
             mdp = tabulate(world, slip) if mdp is None else mdp
             return shown, mdp, _states_of_several(shown, mdp)
         steps = whole_number("horizon", horizon)
-        mdp, states = reachable(shown, _placements(shown), steps, show_progress=show_progress)
+        mdp, states = reachable(shown, _placed(shown), steps, show_progress=show_progress)
         return shown, mdp.slippery(slip), states
     tool_cell = _only(world, "tool", world.tool_cell, tool)
     object_cell = _only(world, "object", world.object, object)
@@ -89,7 +89,7 @@ def _reached(
         raise _nowhere(tool, object)
     try:
         return reachable(
-            world, [{"agent": cell, **names} for cell in cells], horizon, most, show_progress
+            world, placed(world, Grid.of(world), names, cells), horizon, most, show_progress
         )
     except TooManyPlacementsError:
         return None
@@ -107,16 +107,15 @@ def _only(world: World, kind: str, cell: Cell | None, where: Where | None) -> An
     return next(iter(where.values()), cell)
 
 
-def _placements(world: World) -> list[Placement]:
-    """The agent in every cell where it can be, all else where the map has it."""
-    there = start_of(world)
-    return [{**there, "agent": cell} for cell in agent_cells(world)]
+def _placed(world: World) -> Places:
+    """The agent in every cell where it can be, everything else as on the map."""
+    things = {name: cell for name, cell in start_of(world).items() if name != "agent"}
+    return placed(world, Grid.of(world), things, agent_cells(world))
 
 
 def _states_of_several(world: World, mdp: TabularMDP) -> np.ndarray:
     """The states of a table with all things but the agent there, and in hand what follows."""
-    grid, placements = Grid.of(world), _placements(world)
-    at = places_of(world, grid, placements)
+    grid, at = Grid.of(world), _placed(world)
     held = np.full(world.height * world.width, NONE)
     held[grid.label(at.agent)] = at.held
     here = np.ones(mdp.states, bool)

@@ -1,4 +1,4 @@
-"""What is left of empowerment as the horizon grows: what can be brought about again and again.
+"""What is left of empowerment as the horizon grows: what can be reached again and again.
 
 States that can be reached from each other form a component, and the components of a table have an
 order: who leaves one never comes back to it. So the agent ends up in one of them for ever.
@@ -14,6 +14,7 @@ from habilis.compiled import compiled
 from habilis.empowerment.arguments import Unit, chosen_actions, chosen_states, per_bit
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
+from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
@@ -25,8 +26,9 @@ def persistence(
     states: ArrayLike | None = None,
     *,
     unit: Unit = "bits",
+    show_progress: bool = False,
 ) -> Float64[np.ndarray, "n"]:
-    """What the agent can bring about again and again for ever, in bits.
+    """How many observations the agent can reach again and again, in bits.
 
     The measure is ours, what is left of empowerment as h grows without bound:
 
@@ -34,10 +36,10 @@ def persistence(
 
     where C are the strongly connected components of the table that can be reached from s, and
     o(t) is what the sensor shows in t; only available actions lead anywhere. It is at most log2 of
-    all observations that can be reached from s, of which some can be had but once. Where C holds
-    a state in which some action changes nothing, or its cycles have for another reason no common
-    divisor but 1, empowerment is not less for any horizon that is long enough; otherwise so many
-    observations are there in as many horizons, one after the other, as that divisor says.
+    all observations that can be reached from s, some of which can be reached only once. Where C
+    holds a state in which some action changes nothing, or its cycles have for another reason no
+    common divisor but 1, empowerment is not less for any horizon that is long enough; otherwise so
+    many observations are there in as many horizons, one after the other, as that divisor says.
 
     Args:
         mdp: a deterministic table, or a world, which is tabulated.
@@ -45,6 +47,7 @@ def persistence(
         actions: the action indices that the agent may use; by default all.
         states: the n states asked about, as indices or as bool[S]; by default all, in order.
         unit: "bits" or "nats".
+        show_progress: whether to draw a progress bar on standard error.
 
     Returns:
         float64[n], 0 where the agent is left with a single observation.
@@ -60,19 +63,21 @@ def persistence(
         array([0., 0., 1., 1., 0.])
     """
     scale = per_bit(unit)
-    mdp = tabulate(mdp) if isinstance(mdp, World) else mdp
+    if isinstance(mdp, World):
+        mdp = tabulate(mdp, show_progress=show_progress)
     table = _certain_table(mdp, sensor, actions)
     labels, label_count = observations(mdp, sensor)
     starts = chosen_states(mdp, states)
-    component, closed = _components(table, starts.astype(np.int32))
-    most = _most_in_reach(table, labels, label_count, component, closed)
+    with progress_bar("components", show_progress):
+        component, closed = _components(table, starts.astype(np.int32))
+        most = _most_in_reach(table, labels, label_count, component, closed)
     return np.log2(most[component[starts]]) * scale
 
 
 def _certain_table(
     mdp: TabularMDP, sensor: Sensor, actions: Sequence[int] | None
 ) -> Int32[np.ndarray, "S A"]:
-    """Where the chosen actions lead, if nothing is left to chance.
+    """Where the chosen actions lead, if they lead to one state each.
 
     Raises:
         ValueError: the table is stochastic or the sensor noisy, or there are no such actions.
@@ -80,7 +85,7 @@ def _certain_table(
     used = chosen_actions(mdp, actions)
     if mdp.is_stochastic:
         raise ValueError(
-            "this table is stochastic, and persistence is of what is certain; "
+            "this table is stochastic, and persistence is defined for deterministic tables only; "
             "leave out slip, that of the world's tool too"
         )
     if is_noisy(sensor):

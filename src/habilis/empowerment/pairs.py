@@ -50,8 +50,8 @@ class Pairs:
         latency: float64[T, O], the least number of actions with which there is any, from where it
             takes fewest; infinity where none up to H has any.
         median_latency: float64[T, O], the median over placements of that number.
-        persistence: float64[T, O], the average over placements of what can be brought about again
-            and again, nothing failing.
+        persistence: float64[T, O], the average over placements of what can be reached again and
+            again, nothing failing.
         reliability: float64[T, O], the average with slip over the average without, at H; 1 where
             nothing fails, NaN where there is nothing to lose.
         unit: "bits" or "nats".
@@ -223,15 +223,16 @@ class _Pair:
 
 
 def _measured(pair: World, horizon: int, slip: float, options: Options) -> _Pair:
-    mdp = tabulate(certain(pair))
+    show = options.get("show_progress", False)
+    mdp = tabulate(certain(pair), show_progress=show)
     states = np.flatnonzero(compared_states(mdp))
     sure = bits = empowerment_by_horizon(mdp, horizon, "object", states=states, **options)
     if fails(pair, slip):  # the same states, and so in the same places
-        noisy = tabulate(pair, slip)
+        noisy = tabulate(pair, slip, show_progress=show)
         bits = empowerment_by_horizon(noisy, horizon, "object", states=states, **options)
     least = first_above_nothing(bits)
     averages = bits.mean(axis=1)
-    lasting = persistence(mdp, "object", states=states).mean()
+    lasting = persistence(mdp, "object", states=states, show_progress=show).mean()
     return _Pair(
         averages=averages[1:],
         range=furthest(distances(mdp, "object", states), least),

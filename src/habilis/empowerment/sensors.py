@@ -46,6 +46,11 @@ def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
         return csr_array((ones, labels, np.arange(mdp.states + 1)), (mdp.states, count))
     given: Any = sensor if is_sparse(sensor) else as_array("sensor", sensor)
     rows, columns = shape_of(given)
+    if columns == 1 and given.dtype.kind in "biu":
+        raise ValueError(
+            f"sensor has shape {tuple(given.shape)} and type {given.dtype}; give labels of shape "
+            f"({mdp.states},), one for each state, as .ravel() has them"
+        )
     if rows != mdp.states:
         turned = columns == mdp.states and given.dtype.kind in "biuf"
         raise ValueError(

@@ -8,12 +8,13 @@ import gymnasium
 import numpy as np
 from jaxtyping import Int8, Shaped
 
+from habilis.checks import is_probability
 from habilis.envs.observations import Observation, ranks
 from habilis.mdp import TabularMDP
 from habilis.worlds.chance import Chance
 
 MAX_STEPS = 500
-"""Steps after which an episode is cut off, unless it is told otherwise."""
+"""Steps after which an episode is cut off, unless set otherwise."""
 
 
 ACTION_MASK = "action_mask"
@@ -23,7 +24,7 @@ ACTION_MASK = "action_mask"
 class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     """A deterministic table, one step a look-up.
 
-    Observation: as told, by default the value of each factor, counted from 0 among those that it
+    Observation: as given, by default the value of each factor, counted from 0 among those that it
     has (`MultiDiscrete`). Action: `Discrete`, the table's. Reward and termination are the table's;
     an episode is cut off (truncated) after `max_steps`. Episodes begin in the table's start. `info`
     has the state's index as "state", and what the given columns say of the state.
@@ -34,7 +35,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
 
     Attributes:
         mdp: the table.
-        slip: the probability that chance takes the place of the chosen action.
+        slip: the probability that a random action replaces the chosen one.
         state: the index of the state that the environment is in.
 
     Example:
@@ -171,7 +172,7 @@ def check_episode(
         raise ValueError(f"no action is available in state {mdp.start}; give another start")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:
         raise ValueError(f"max_steps is {max_steps!r}; give a whole number of at least 1")
-    if isinstance(slip, bool) or not isinstance(slip, int | float) or not 0 <= slip <= 1:
+    if not is_probability(slip):
         raise ValueError(f"slip is {slip!r}; give a probability from 0 to 1")
 
 

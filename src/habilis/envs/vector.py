@@ -128,7 +128,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         chosen = self._checked(actions)
         if self._mode is AutoresetMode.DISABLED and self._any:
             raise ValueError(
-                f"environment {int(np.argmax(self._ended))} has come to its end; "
+                f"the episode of environment {int(np.argmax(self._ended))} has ended; "
                 'reset it first, with options={"reset_mask": ...}'
             )
         begins = self._ended if self._mode is AutoresetMode.NEXT_STEP and self._any else None

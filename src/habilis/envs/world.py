@@ -240,10 +240,12 @@ class Scene:
             raise ValueError(f"measures is {measures!r}; give names with arguments")
         noisy = mdp.slippery(slip) if measures else mdp
         for name, arguments in (measures or {}).items():
+            if not isinstance(name, str):
+                raise ValueError(f"measures has the name {name!r}; give a string")
             if name in columns or name == "state":
                 raise ValueError(f"measure {name!r} is what info has already; give another name")
+            _check_measure(name, arguments)
             try:
-                _check_measure(arguments)
                 columns[name] = kept_empowerment(noisy, **arguments)
             except ValueError as error:
                 raise ValueError(f"measure {name!r}: {error}") from None
@@ -268,19 +270,24 @@ class Scene:
         return self.draw(states)
 
 
-def _check_measure(arguments: Any) -> None:
+def _check_measure(measure: str, arguments: Any) -> None:
     """Refuses what are no arguments of `habilis.empowerment` that give a value for every state."""
+    named = f"measure {measure!r}"
     example = '{"horizon": 6, "sensor": "object"}'
     known = ("horizon", "sensor", "actions", *Options.__annotations__)
     if not isinstance(arguments, Mapping):
-        raise ValueError(f"is {arguments!r}; give arguments of habilis.empowerment, as {example}")
+        raise ValueError(
+            f"{named} is {arguments!r}; give arguments of habilis.empowerment, as {example}"
+        )
     for name in arguments:
         if name in ("states", "return_gap"):
-            raise ValueError(f"it has not one value for every state; leave out {name}")
+            raise ValueError(f"{named} needs one value for every state; leave out {name}")
         if name not in known:
-            raise ValueError(f"argument {name!r} is unknown; use some of {', '.join(known)}")
+            raise ValueError(
+                f"{named}: argument {name!r} is unknown; use some of {', '.join(known)}"
+            )
     if "horizon" not in arguments:
-        raise ValueError(f"has no horizon; give one, as {example}")
+        raise ValueError(f"{named} has no horizon; give one, as {example}")
 
 
 def as_world(world: World | str | Path) -> World:

@@ -1,15 +1,15 @@
 """Tables of Gymnasium environments that were written elsewhere.
 
 From the environment's own table `P` where it has one (`transition_dict`), otherwise by stepping
-through every state that can be reached (`enumeration`). Every table is then held against the
-environment as the user passed it, with its wrappers (`replays`).
+through every state that can be reached (`enumeration`). Every table is then checked against
+the environment as the user passed it, with its wrappers (`replays`).
 """
 
 import ast
 import json
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
-from urllib.parse import parse_qsl
+from urllib.parse import unquote_plus
 
 from habilis.extras import import_from
 from habilis.mdp import TabularMDP
@@ -52,7 +52,7 @@ def table_named(
     """
     identity, _, query = name.partition("?")
     registration = import_from("habilis.gymnasium_tables.registration", "gymnasium")
-    env = registration.made(identity, {k: _value(v) for k, v in parse_qsl(query)})
+    env = registration.made(identity, _arguments(identity, query))
     limit: Any = {} if max_states is None else {"max_states": max_states}
     try:
         return TabularMDP.from_gymnasium(env, ignore=ignore, show_progress=show_progress, **limit)
@@ -60,6 +60,24 @@ def table_named(
         raise ValueError(f"gym:{identity}: {error}") from None
     finally:
         env.close()
+
+
+def _arguments(identity: str, query: str) -> dict[str, Any]:
+    """The arguments after the question mark.
+
+    Raises:
+        ValueError: one of them has no value, or is given twice.
+    """
+    found: dict[str, Any] = {}
+    for part in query.split("&") if query else ():
+        name, _, text = (unquote_plus(each) for each in part.partition("="))
+        if not name or not text:
+            problem = f"argument {name!r} has no value" if name else f"{part!r} has no name"
+            raise ValueError(f"gym:{identity}: {problem}; give both, as ?map_name=8x8")
+        if name in found:
+            raise ValueError(f"gym:{identity}: argument {name!r} is given twice; give it once")
+        found[name] = _value(text)
+    return found
 
 
 def _value(text: str) -> Any:

@@ -42,7 +42,7 @@ class Ground(NamedTuple):
         seen: int64[n], those that training begins from.
         unseen: int64[m], those held out.
         shortest_return: of a shortest plan, the mean over those that training begins from; where
-            chance has a say, of one in which no tool fails and no action slips.
+            the world is stochastic, of one in which no tool fails and no action slips.
     """
 
     mdp: TabularMDP
@@ -132,7 +132,7 @@ def success_rate(
         limit: of how many actions.
 
     Returns:
-        Where chance has a say, the mean probability.
+        In a stochastic world, the mean probability.
     """
     chance = Chance.in_any(mdp)
     chosen = np.arange(mdp.states) * mdp.action_count + policy

@@ -42,7 +42,7 @@ def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
     """M, the empowerment of every state in bits, or 0 where a table is not what is asked for.
 
     Of several sensors the sum, or the product, of their empowerments, as in `terms_of`. Where
-    chance has a say, which takes far longer, it is kept on disk for the next time.
+    the world is stochastic, which takes far longer, it is kept on disk for the next time.
     """
     if config.intrinsic in (NO_INTRINSIC, *NOVELTIES):
         return np.zeros(mdp.states)

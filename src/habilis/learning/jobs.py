@@ -34,7 +34,7 @@ class Job:
         config: the configuration.
         world: its world.
         mdp: its table.
-        best_return: of a shortest plan; where chance has a say, what the best policy expects.
+        best_return: of a shortest plan; in a stochastic world, what the best policy expects.
         table: float64[S], the intrinsic value of every state, where it is a table.
         numbers: of its runs, from which their random numbers come; 0 up, unless it has only some
             of them. Elsewhere a run is meant by its place among these.

@@ -41,7 +41,7 @@ def table_of(run: Run) -> TabularMDP:
 class Success(NamedTuple):
     """The share of placements from which an agent reaches the goal; `None` without any.
 
-    Where chance has a say, the probability that it does, the mean over the placements.
+    In a stochastic world, the probability that it does, the mean over the placements.
 
     Attributes:
         seen: of those that training began from.
@@ -139,7 +139,7 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
     """Acts out one run's greedy policy.
 
     Where policy and world are deterministic, an episode that comes back to a state will never
-    reach the goal: it ends there. Where chance has a say it ends after `episode_limit` actions.
+    reach the goal: it ends there. In a stochastic world it ends after `episode_limit` actions.
 
     Args:
         run: what `train` returned, or `load_run`.

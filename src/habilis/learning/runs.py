@@ -21,7 +21,7 @@ class Run:
     Attributes:
         config: the configuration.
         world: its world, with the tool that was used.
-        best_return: extrinsic return of a shortest plan; where chance has a say, what the best
+        best_return: extrinsic return of a shortest plan; in a stochastic world, what the best
             policy expects of an episode.
         episodes: one row an episode of each run: "run", "episode" (both from 0), "steps",
             "return" (extrinsic, undiscounted), and for each flag of the table the number of

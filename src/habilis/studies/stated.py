@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 from habilis.worlds.tools import TOOLS
-from habilis.worlds.world import NO_TOOL
+from habilis.worlds.world import ENVIRONMENT, NO_TOOL
 
 KINDS = {
     "steps": (),
@@ -142,10 +142,15 @@ def load_stated(name: str | Path) -> StatedMap:
         return parse_stated(path.read_text("utf-8"), path.stem)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not text"
+        if str(name).startswith(ENVIRONMENT):
+            reason = "it is a Gymnasium environment"
         raise ValueError(
             f"{str(name)!r}: no such list of stated numbers ({reason}); name one of "
             f"{', '.join(stated_names())}, or the path of a TOML file"
         ) from error
+
+
+_ENTRIES = "give one [map], and a [[number]] for each stated number"
 
 
 def parse_stated(text: str, name: str = "list") -> StatedMap:
@@ -157,12 +162,10 @@ def parse_stated(text: str, name: str = "list") -> StatedMap:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{name}: not a TOML file ({error})") from error
+        raise ValueError(f"{name}: not a TOML file ({error}); {_ENTRIES}") from error
     head, entries = data.get("map"), data.get("number")
     if set(data) != {"map", "number"} or not isinstance(head, dict) or not _are_tables(entries):
-        raise ValueError(
-            f"{name}: has {', '.join(data) or 'nothing'}; give one [map], and a [[number]] for each"
-        )
+        raise ValueError(f"{name}: has {', '.join(data) or 'nothing'}; {_ENTRIES}")
     sizes = ("height", "width", "walls")
     if set(head) != {*sizes, "tool"} or any(_bad(int, head[size]) for size in sizes):
         raise ValueError(

@@ -90,7 +90,7 @@ async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) ->
 
 
 async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) -> list[float]:
-    """A landscape where chance has a part, some cells at a time."""
+    """A landscape of a stochastic table, some cells at a time."""
 
     async def step(first: int, end: int) -> list[float]:
         found = await client.step(pools.slow, "stretch", scene=scene, first=first, end=end)

@@ -1,4 +1,4 @@
-"""Averages estimated from placements drawn at random, where chance has a part."""
+"""Averages estimated from placements drawn at random, in a stochastic table."""
 
 import time
 from collections.abc import AsyncIterator, Callable, Coroutine, Mapping

@@ -61,7 +61,7 @@ thing    which of several objects (or through the sensor tool, tools), from 0
 cells    [[row, column], ...]
 horizon  0 (the default) to 10 actions
 actions  all (the default), moves, tool
-slip     0 (the default) to 0.5, the probability that chance replaces an action
+slip     0 (the default) to 0.5, the probability that a random action replaces the chosen one
 
 A placement has the [row, column] of agent, object and, with a tool, tool; on a
 map of several things of agent, tool:picker, ..., object:can, ..., and perhaps

@@ -39,7 +39,7 @@ class Scene:
         cells: those that the sensor "cells" tells apart.
         horizon: in actions.
         actions: one of `ACTIONS`.
-        slip: the probability that chance replaces an action.
+        slip: the probability that a random action replaces the chosen one.
     """
 
     world: World

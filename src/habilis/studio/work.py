@@ -39,7 +39,7 @@ _OPTIONS = Options(threads=1, max_gib=GIB, max_seconds=SECONDS)
 _TOLERANCE = 1e-6  # bits
 _KEPT = 4  # tables of scenes
 _MOST = 3_000_000  # placements of several things that a plan looks over
-_MANY, _EXACT = 100, 5.0  # cells, seconds: beyond, an average where chance has a part is estimated
+_MANY, _EXACT = 100, 5.0  # cells, seconds: beyond, an average over a stochastic table is estimated
 
 
 def landscape(scene: Scene) -> Answer:
@@ -54,7 +54,7 @@ def landscape(scene: Scene) -> Answer:
 
 
 def stretch(scene: Scene, first: int, end: int) -> Answer:
-    """Empowerment for some of the agent's cells, where chance has a part and it takes long."""
+    """Empowerment for some of the agent's cells, where chance makes it take long."""
     problem, states = _everywhere(scene)
     return {"bits": _each(problem, states[first:end])}
 
@@ -222,7 +222,7 @@ def _bits(scene: Scene, places: list[Placement]) -> np.ndarray:
 
 @lru_cache(_KEPT)
 def _everywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
-    """What the agent's cells have in common where chance has a part.
+    """What the agent's cells have in common in a stochastic table.
 
     Raises:
         TooMuchError: it takes longer than anybody waits.
@@ -234,7 +234,7 @@ def _everywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
 
 @lru_cache(_KEPT)
 def _anywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
-    """What placements drawn at random have in common where chance has a part.
+    """What placements drawn at random have in common in a stochastic table.
 
     Raises:
         TooMuchError: even a few take longer than anybody waits.

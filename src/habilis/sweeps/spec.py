@@ -30,6 +30,7 @@ import polars as pl
 
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.config import Config
+from habilis.worlds.world import ENVIRONMENT
 
 Values = dict[str, Any]
 """Settings by their names."""
@@ -104,6 +105,9 @@ convergence, their budget where they did not converge; how far the mean return o
 episodes is below that of a shortest plan."""
 
 
+_WANTED = "give the path of a TOML file with [config], and [grid] or [search]"
+
+
 def read_spec(path: str | Path) -> Spec:
     """Reads a SPEC.toml.
 
@@ -120,8 +124,14 @@ def read_spec(path: str | Path) -> Spec:
     try:
         return _spec(tomllib.loads(Path(path).read_text("utf-8")))
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read ({error.strerror or error})") from None
-    except ValueError as error:  # of the two decoders too
+        reason = error.strerror or error
+        if str(path).startswith(ENVIRONMENT):
+            reason = "it is a Gymnasium environment"
+        raise ValueError(f"{path}: cannot be read ({reason}); {_WANTED}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        reason = error if isinstance(error, tomllib.TOMLDecodeError) else "not text"
+        raise ValueError(f"{path}: not a TOML file ({reason}); {_WANTED}") from None
+    except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
 

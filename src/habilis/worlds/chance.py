@@ -1,4 +1,4 @@
-"""What may come of an action where chance has a say, as arrays to draw from."""
+"""What may come of an action in a stochastic table, as arrays to draw from."""
 
 from dataclasses import dataclass
 from typing import Any

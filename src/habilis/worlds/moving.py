@@ -80,7 +80,7 @@ def put(
 
 
 def agent_cells(world: World) -> list[Cell]:
-    """The cells in which the agent can be, all else where the map has it, row by row."""
+    """The cells in which the agent can be, everything else as on the map, row by row."""
     taken = {thing.cell for thing in (*world.tools, *world.objects)}
     return [cell for cell in free_cells(world) if cell not in taken]
 

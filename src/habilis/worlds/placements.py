@@ -1,6 +1,6 @@
 """Placements of a world's things: in words, as arrays, and each as one number."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from typing import Any
@@ -64,6 +64,26 @@ def places_of(world: World, grid: Grid, placements: list[Any]) -> Places:
         return replace(at, held=held)
     laid = [_tool(world, LAID, placement) for placement in placements]
     return replace(at, held=held, laid=np.array([NONE if one is None else one for one in laid]))
+
+
+def placed(world: World, grid: Grid, things: Mapping[str, Cell], agents: Sequence[Cell]) -> Places:
+    """The same placement of all things with the agent in each of some cells, as arrays.
+
+    Args:
+        world: the map.
+        grid: the same.
+        things: the cells of the tools and objects, each another.
+        agents: free cells, which nothing else is in.
+
+    Raises:
+        ValueError: a thing's cell that is not free.
+    """
+    names = [*tool_factors(world), *object_factors(world)]
+    cells = [_cell(world, name, things[name]) for name in names]
+    agent = grid.index(np.array(agents, np.int64).reshape(-1, 2).T)
+    columns = [np.full(agent.shape, grid.index(cell), np.int64) for cell in cells]
+    tools = len(world.tools)
+    return Places.of(grid, agent, tuple(columns[:tools]), tuple(columns[tools:]), world.drop)
 
 
 @dataclass(frozen=True)

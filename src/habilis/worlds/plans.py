@@ -72,7 +72,7 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
 def distances(mdp: TabularMDP) -> Int64[np.ndarray, "S"]:
     """How many actions the nearest terminal state is away, from every state.
 
-    Where chance has a say, how many they are at least.
+    In a stochastic world, how many they are at least.
 
     Args:
         mdp: a world's table.

@@ -11,7 +11,7 @@ from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
 from habilis.worlds.described import actions_of, describe
 from habilis.worlds.placements import WANTED, Keys, Packing, Placement, places_of
-from habilis.worlds.rules import Grid, Kinds, successor, taken_up
+from habilis.worlds.rules import Grid, Kinds, Places, successor, taken_up
 from habilis.worlds.world import World
 
 MAX_STATES = 50_000_000
@@ -26,7 +26,7 @@ _BLOCK = 1 << 13  # placements moved at once: the arrays of one block stay in th
 
 def reachable(
     world: World,
-    placements: "Placement | Sequence[Placement] | ArrayLike",
+    placements: "Placement | Sequence[Placement] | Places | ArrayLike",
     horizon: int | None,
     max_states: int = MAX_STATES,
     show_progress: bool = False,
@@ -37,7 +37,7 @@ def reachable(
         world: the map.
         placements: where everything is, once or several times; any distinct free cells, also where
             tools lie elsewhere than on the map. The first tool beside the agent is in hand, unless
-            "held" says another.
+            "held" says another. Or such placements as arrays, already checked.
         horizon: h, in actions; `None` for all that can ever be reached.
         max_states: how many placements to accept.
         show_progress: whether to draw a progress bar on standard error.
@@ -60,15 +60,17 @@ def reachable(
     # Numba takes as long to import as everything else together: only who needs it pays.
     from habilis.worlds.interning import Interned
 
-    grid = Grid.of(world)
-    packing = Packing.of(world, grid)
-    asked = packing.packed(places_of(world, grid, _listed(placements)))
-    found = Interned()
-    found.add(asked)
     ways = [True, False] if any(tool.slip for tool in world.tools) else [True]
     rows: list[np.ndarray] = []
     done = level = 0
-    with progress_bar("placements", show_progress) as tell:
+    with progress_bar("placements", show_progress) as tell:  # reading a large map takes time too
+        grid = Grid.of(world)
+        packing = Packing.of(world, grid)
+        if not isinstance(placements, Places):
+            placements = places_of(world, grid, _listed(placements))
+        asked = packing.packed(placements)
+        found = Interned()
+        found.add(asked)
         while done < len(found) and (horizon is None or level < horizon):
             frontier = len(found)
             for first in range(done, frontier, _BLOCK):

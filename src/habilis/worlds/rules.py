@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool
@@ -60,7 +61,8 @@ class Grid:
         """The cells of the map that are not walls, row by row."""
         return np.flatnonzero(~self.wall[: self.nowhere])
 
-    def index(self, cell: Cell) -> int:
+    def index(self, cell: Any) -> Any:
+        """The index of a cell (row, column), or of each of int[2, n]."""
         return (cell[0] + BORDER) * self.stride + cell[1] + BORDER
 
     def cell(self, index: int) -> Cell:

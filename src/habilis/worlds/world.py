@@ -341,7 +341,8 @@ def _source(name: str | Path) -> tuple[str, str, Path | None]:
             f"{shown(name)}: not a text file; give a map drawn in characters"
         ) from error
     except (OSError, ValueError) as error:
-        raise ValueError(f"{shown(name)}: {_not_a_world(str(name), error)}") from error
+        named = shown(name) if str(name) else "''"
+        raise ValueError(f"{named}: {_not_a_world(str(name), error)}") from error
 
 
 def _not_a_world(name: str, error: Exception) -> str:
