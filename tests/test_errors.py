@@ -92,7 +92,7 @@ def test_verbs_that_take_worlds_say_so_of_environments_and_of_maps_text(verb, ca
 @pytest.mark.parametrize("read", [load_run, load_latest])
 @pytest.mark.parametrize("name", ["x" * 300, "a\0b"])
 def test_a_folder_that_no_system_has_is_refused(read: Any, name: str):
-    with pytest.raises(ValueError, match="is no path here"):
+    with pytest.raises(ValueError, match="is not a valid path"):
         read(name)
 
 

@@ -303,7 +303,7 @@ def test_checks_leave_nothing_behind(tmp_path):
 @pytest.mark.parametrize("name", ["a\0b.csv", "a\0b"])
 def test_what_is_no_path_is_refused(name):
     check = check_folder if name.endswith("b") else lambda path: check_file(path, [".csv"])
-    with pytest.raises(ValueError, match=r"is no path here .*null"):
+    with pytest.raises(ValueError, match=r"is not a valid path .*null"):
         check(name)
 
 

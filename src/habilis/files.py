@@ -192,7 +192,9 @@ def check_path(path: str | Path) -> None:
         pass
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise ValueError(f"{shown(path)}: is no path here ({reason}); name another place") from None
+        raise ValueError(
+            f"{shown(path)}: is not a valid path ({reason}); name another place"
+        ) from None
 
 
 def _check_room(path: str | Path, folder: Path) -> None:

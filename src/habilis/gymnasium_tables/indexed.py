@@ -129,7 +129,7 @@ def verified(indexed: Indexed) -> int:
         return len(seen)
     changers = step_changers(indexed.env)
     advice = (
-        f"{', '.join(changers)} changes what a step does: give the environment inside of it"
+        f"{', '.join(changers)} changes what a step does: pass the environment that it wraps"
         if changers
         else "its step does not follow its own table P"
     )

@@ -1,4 +1,4 @@
-"""Episodes of an environment, as the user passed it, held against its table.
+"""Episodes of an environment, as the user passed it, checked against its table.
 
 First along shortest paths to transitions that were not seen yet, then by random actions; and all of
 them again, with other random numbers everywhere.
@@ -71,7 +71,7 @@ class Came:
 
 
 class Dynamics(Protocol):
-    """A table, and the environment that it is held against."""
+    """A table, and the environment that it is checked against."""
 
     def successors(self) -> list[list[list[int]]]:
         """By state and action, the states that may follow; none where nothing follows."""

@@ -108,7 +108,7 @@ def check_environment(env: Any, identity: Identity) -> None:
         if isinstance(layer, gymnasium.ActionWrapper):
             raise ValueError(
                 f"{type(layer).__name__} changes the actions, which the table of the environment "
-                "inside does not know; give the environment inside of it, or state=(save, load), "
+                "inside does not know; pass the environment that it wraps, or state=(save, load), "
                 "with which steps are made through the wrappers"
             )
         layer = layer.env

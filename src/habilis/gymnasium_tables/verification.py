@@ -1,4 +1,4 @@
-"""Enumerated tables are held against the environments that they are of."""
+"""Enumerated tables are checked against the environments that they are of."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -158,7 +158,7 @@ def _advice(
     wrappers = step_changers(env)
     if wrappers and identity.state is None and _inner_follows(access, found, mismatch.actions):
         return (
-            f"{', '.join(wrappers)} changes what a step does: give the environment inside of it, "
+            f"{', '.join(wrappers)} changes what a step does: pass the environment that it wraps, "
             "or state=(save, load), with which steps are made through the wrappers"
         )
     if "observation" in mismatch.expected and identity.ignore:
