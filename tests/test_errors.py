@@ -12,6 +12,8 @@ from habilis.cli import main
 from habilis.cli_arguments import OPTIONS, in_flags
 from habilis.learning.config import Config
 from habilis.learning.folder import load_latest, load_run
+from habilis.worlds.placements import start_of
+from habilis.worlds.reach import reachable
 
 MAP = "A.P.\n..C.\n...G\n"
 
@@ -162,6 +164,25 @@ def test_arguments_are_named_by_their_options_on_the_command_line(message: str, 
     assert in_flags(message, FLAGS) == said
 
 
+def test_an_argument_that_python_lacks_too_is_not_said_to_be_there():
+    assert in_flags("draw with seed=3 or key=4", FLAGS, ("seed",)) == (
+        "draw with seed=3 or key=4 (in Python)"
+    )
+
+
+def test_futures_is_refused_with_advice_that_it_can_follow(capsys: pytest.CaptureFixture):
+    for limit in (["1000000000"], ["40", "--max-seconds", "1e-4"], ["40", "--max-gib", "1e-9"]):
+        assert main(["futures", "corridor", "--sensor", "object", "--horizon", *limit]) == 2
+        out, err = capsys.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+        assert err.startswith(f"habilis: horizon {limit[0]} takes about ")
+        assert err.endswith("raise --max-gib or --max-seconds\n")
+        assert "method" not in err
+        assert "(in Python)" not in err
+    assert main(["futures", "corridor", "--horizon", "1", "--max-states", "9"]) == 2
+    assert "or raise --max-states if" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -206,3 +227,11 @@ def test_every_verb_that_computes_empowerment_takes_its_options(capsys, tmp_path
     assert out.startswith("lower bounds on average 3-step object empowerment")
     assert "perhaps better or worse than none" in out
     assert "equal" not in out
+
+
+def test_only_who_has_max_states_is_advised_to_raise_it():
+    several = hb.World.parse("D = ball\nA.PC\n.D.G\n....")
+    with pytest.raises(ValueError, match=r"more than 9 placements; ask for a lower horizon$"):
+        reachable(several, start_of(several), 8, max_states=9)
+    with pytest.raises(ValueError, match="make the map smaller, or raise max_states if there"):
+        hb.tabulate(several, max_states=9)

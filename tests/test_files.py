@@ -1,9 +1,12 @@
 """Files are written whole or not at all, and what cannot be written is refused before any work."""
 
 import os
+import resource
 import stat
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +76,35 @@ def test_on_a_full_disk_every_writer_leaves_what_was_there(tmp_path, earlier):
                 write(path)
             assert content(disk) == before, suffix
             path.unlink(missing_ok=True)
+
+
+@contextmanager
+def no_file_above(size: int) -> Iterator[None]:
+    """As a full disk, for those too who may not mount one: `ulimit -f`."""
+    _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, most))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+
+
+@pytest.mark.parametrize("size", [0, 100, 4096])
+def test_no_writer_hides_a_full_disk_behind_an_error_of_its_library(tmp_path, size):
+    yard = hb.load_world("yard")
+    values = NOISE[: yard.height * yard.width].reshape(yard.height, yard.width)
+    pictures = [(Landscape(values, yard).save, suffix) for suffix in PICTURES]
+    writers = [pair for pair in WRITERS if pair[1] != ".mp4"]  # ffmpeg writes that one itself
+    for write, suffix in [*writers, *pictures]:
+        with no_file_above(size), pytest.raises((OSError, ValueError)) as refused:
+            write(tmp_path / f"out{suffix}")
+        assert content(tmp_path) == {}
+        assert type(refused.value) in (OSError, ValueError), suffix
+        if not isinstance(refused.value, OSError):
+            says = f"{tmp_path}/out{suffix}: cannot be written (File too large)"
+            assert str(refused.value) == says
+        else:
+            assert refused.value.strerror == "File too large", suffix
 
 
 def test_the_command_line_on_a_full_disk_is_one_line_and_leaves_what_was_there(tmp_path, capsys):

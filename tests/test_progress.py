@@ -68,6 +68,18 @@ def test_a_bar_within_another_is_a_line_below_it(terminal, capsys):
         assert text in shown
 
 
+def test_an_error_within_a_bar_within_another_ends_the_inner_one(terminal, capsys):
+    with progress_bar("pods", True) as outer:
+        with pytest.raises(ValueError, match="rotten"), progress_bar("beans", True):
+            raise ValueError("rotten")
+        capsys.readouterr()
+        outer(1, 2)
+        time.sleep(0.3)
+        shown = capsys.readouterr().err
+    assert "1/2" in shown
+    assert "beans" not in shown.partition("1/2")[2]
+
+
 def test_an_error_within_a_bar_ends_it(terminal, capsys):
     with pytest.raises(ValueError, match="rotten"), progress_bar("beans", True):
         raise ValueError("rotten")

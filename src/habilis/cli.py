@@ -40,9 +40,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         not hold), 2 bad input.
     """
     flags: dict[str, str] = {}
+    lacks: tuple[str, ...] = ()
     try:
         args = parser(_VERBS).parse_args(arguments)
-        flags = args.flags
+        flags, lacks = args.flags, getattr(args, "lacks", ())
         args.command = list(sys.argv[1:] if arguments is None else arguments)
         check_outputs(args)
         status = args.verb(args)
@@ -53,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (ValueError, MissingExtraError, FloatingPointError) as error:
-        return refuse(in_flags(str(error), flags))
+        return refuse(in_flags(str(error), flags, lacks))
     except (OSError, OverflowError) as error:
         return refuse(f"{error}; check the place and the numbers given")
     except MemoryError:
@@ -308,10 +309,11 @@ def futures(args: Args) -> int:
     )
     if world.several:
         steps = max(args.horizon, 0)
-        mdp = reachable(world, start_of(world), steps, show_progress=shows_progress(args))[0]
-        mdp = mdp.slippery(args.slip)
+        most, show = _most(args), shows_progress(args)
+        mdp = reachable(world, start_of(world), steps, most, show)[0].slippery(args.slip)
     else:
-        mdp = habilis.tabulate(world, args.slip, show_progress=shows_progress(args))
+        show = shows_progress(args)
+        mdp = habilis.tabulate(world, args.slip, max_states=_most(args), show_progress=show)
     cells = [name for name in mdp.factors if mdp.is_cell(name)]
     if args.out and (args.sensor == "state" or mdp.factor_named(args.sensor) not in cells):
         raise ValueError(

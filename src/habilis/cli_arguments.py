@@ -2,7 +2,7 @@
 
 import argparse
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -127,7 +127,9 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     _measure(v)
     _unit(v)
     _tolerance(v)
-    _memory(v)
+    _limits(v)
+    _most(v)
+    v.set_defaults(lacks=("method", "samples", "seed", "threads"))
     v.add_argument("--agent-at", type=_cell, metavar="ROW,COLUMN", help="another for the agent")
     _places(v)
     v.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
@@ -289,12 +291,13 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     return whole
 
 
-def in_flags(message: str, flags: Mapping[str, str]) -> str:
+def in_flags(message: str, flags: Mapping[str, str], lacks: Collection[str] = ()) -> str:
     """An error of the library as the command line says it: arguments by their options.
 
     Args:
         message: names arguments as Python has them, as in `raise max_gib` and `unit='nats'`.
         flags: the options of the verb, by the names of their arguments.
+        lacks: arguments that its function in Python does not have either.
 
     Example:
         >>> in_flags("slip is 2; give slip=0.1 or raise max_gib", {"slip": "--slip"})
@@ -312,7 +315,7 @@ def in_flags(message: str, flags: Mapping[str, str]) -> str:
         name = found["given"] or found["long"] or found["subject"]
         if name in flags:
             return f"{flags[name]} {(found['value'] or '').strip(_QUOTES)}".rstrip()
-        return found[0] if found["subject"] else f"{found[0]} (in Python)"
+        return found[0] if found["subject"] or name in lacks else f"{found[0]} (in Python)"
 
     return named.sub(said, message)
 
@@ -365,16 +368,16 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--samples", type=int, default=1000, help="sequences (default 1000)")
     parser.add_argument("--seed", type=int, default=0, help="of the samples (default 0)")
     parser.add_argument("--threads", type=int, help="how many work side by side")
-    _memory(parser)
-    parser.add_argument("--max-seconds", type=float, default=3600.0, help="limit (default 3600)")
+    _limits(parser)
 
 
 def _tolerance(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
 
 
-def _memory(parser: argparse.ArgumentParser) -> None:
+def _limits(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
+    parser.add_argument("--max-seconds", type=float, default=3600.0, help="limit (default 3600)")
 
 
 def _most(parser: argparse.ArgumentParser) -> None:

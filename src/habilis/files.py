@@ -1,11 +1,11 @@
 """Files that are written whole or not at all, and places that are checked before any work."""
 
 import os
-import shutil
 import stat
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from io import BytesIO
 from pathlib import Path
 from secrets import token_hex
 from typing import BinaryIO
@@ -51,7 +51,7 @@ def shown(name: object) -> str:
 
 
 def write_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
-    """Writes a file whole or not at all: beside its place first, onto the disk, then renamed.
+    """Writes a file whole or not at all: in memory, beside its place, onto the disk, then renamed.
 
     Until everything is on the disk, an earlier file is as it was; it keeps its permissions. A
     symbolic link stays one, and its target is replaced. What is no regular file (a pipe, a
@@ -59,27 +59,28 @@ def write_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
 
     Args:
         path: where the file goes.
-        write: what fills an open binary file.
+        write: what fills a binary file. It is given one in memory: libraries hide a full disk
+            behind errors of their own (Matplotlib's of a .pdf is a zlib.error).
 
     Raises:
         OSError: the file cannot be written; an earlier one is untouched and nothing is left behind.
     """
     target = _target(path)
     earlier = _status(target)
-    if earlier is not None and not stat.S_ISREG(earlier.st_mode):
-        with tempfile.SpooledTemporaryFile(max_size=2**26) as content:
-            write(content)  # pyright: ignore[reportArgumentType]  # a binary file in all but type
-            content.seek(0)
-            with target.open("wb") as file:
-                shutil.copyfileobj(content, file)
-        return
-    if earlier is not None and not os.access(target, os.W_OK):
+    regular = earlier is None or stat.S_ISREG(earlier.st_mode)
+    if earlier is not None and regular and not os.access(target, os.W_OK):
         raise PermissionError(13, "the file there is read-only", str(target))
+    content = BytesIO()
+    write(content)
+    if not regular:
+        with target.open("wb") as file:
+            file.write(content.getbuffer())
+        return
     # Under a name of its own: other processes may write the same file.
     temporary = target.with_name(f".{_cut(target.name)}.{token_hex(4)}{_PARTIAL}")
     try:
         with temporary.open("xb") as file:
-            write(file)
+            file.write(content.getbuffer())
             file.flush()
             _keep_permissions(earlier, temporary)
             os.fsync(file.fileno())

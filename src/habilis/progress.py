@@ -32,8 +32,10 @@ def progress_bar(what: str, show: bool) -> Iterator[Callable[[int, int], None]]:
     bar = _shown.get()
     if bar is not None:
         task = bar.add_task(what, total=None)
-        yield lambda done, known: bar.update(task, completed=done, total=known)
-        bar.remove_task(task)
+        try:
+            yield lambda done, known: bar.update(task, completed=done, total=known)
+        finally:
+            bar.remove_task(task)
         return
     from rich.console import Console
     from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn

@@ -16,6 +16,7 @@ import habilis as hb
 from habilis.cli import main
 from habilis.empowerment.futures import futures
 from habilis.empowerment.futures_picture import futures_figure, sequence_text
+from habilis.empowerment.open_loop import exact, problem_of
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import placement
 
@@ -130,7 +131,7 @@ def test_bad_input_is_refused(arguments: Any, message: str):
 
 def test_what_does_not_fit_is_refused_with_the_largest_horizon_that_does():
     mdp = hb.tabulate(hb.load_world("yard"), slip=0.1)
-    with pytest.raises(ValueError, match=r"horizon 30 turns out .* horizon that fits is \d+"):
+    with pytest.raises(ValueError, match=r"horizon 30 takes about .* that fits is about \d+"):
         futures(mdp, mdp.start, 30, max_gib=0.01)
 
 
@@ -165,3 +166,27 @@ def test_bad_questions_on_the_command_line_get_one_line(
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("limit", [{"max_gib": 1e-9}, {"max_seconds": 1e-9}])
+def test_futures_keep_to_both_limits(limit: Any):
+    mdp = hb.tabulate(WORLD)
+    with pytest.raises(ValueError, match=r"horizon 8 takes about .*: .*raise max_gib or max_sec"):
+        futures(mdp, mdp.start, 8, **limit)
+    assert futures(mdp, mdp.start, 8).empowerment > 0
+
+
+def test_the_channel_of_certain_futures_is_foreseen_too():
+    """Every state from every state, in a row and a column each: 30,000 x 30,000 numbers."""
+    mdp = hb.tabulate(hb.load_world("yard"))
+    with pytest.raises(ValueError, match=r"horizon 60 takes about \d+\.?\d* GiB"):
+        futures(mdp, mdp.start, 60)
+
+
+def test_futures_say_how_many_of_their_actions_are_done():
+    slippery = hb.tabulate(WORLD, 0.1)
+    for mdp in (hb.tabulate(WORLD), slippery):
+        told: list[tuple[int, int]] = []
+        problem = problem_of(mdp, 3, "object", np.arange(4), 1e-6)
+        exact(problem, mdp.start, lambda done, known, told=told: told.append((done, known)))
+        assert told == [(1, 3), (2, 3), (3, 3)]

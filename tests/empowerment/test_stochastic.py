@@ -17,9 +17,10 @@ from scipy.sparse import csr_array
 from slow_channels import blahut_arimoto, channel_of_sequences
 
 import habilis as hb
+from habilis.empowerment import effort
 from habilis.empowerment.capacity import ConvergenceWarning
 from habilis.empowerment.effort import estimate
-from habilis.empowerment.open_loop import exact, problem_of
+from habilis.empowerment.open_loop import exact, problem_of, sampled
 from habilis.mdp import TabularMDP
 
 CLOSE = 3e-6  # our gap and that of the slow capacity
@@ -266,7 +267,7 @@ def test_a_job_over_a_limit_is_refused_with_the_largest_horizon_that_fits(limit:
         hb.empowerment(mdp, 12, **limit)
     message = str(refused.value)
     assert "method='sampled'" in message
-    fits = re.search(r"the largest horizon that fits is (\d+)", message)
+    fits = re.search(r"the largest horizon that fits is about (\d+)", message)
     if fits is not None:
         assert int(fits[1]) < 12
         if "max_gib" in limit:
@@ -371,3 +372,53 @@ def test_a_gap_above_the_tolerance_is_named_in_a_warning():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert np.allclose(bits, hb.empowerment(maze(3, 0.1), 2), atol=1e-6)
+
+
+def noisy_agent(mdp: hb.TabularMDP) -> np.ndarray:
+    """A sensor that says with one error in ten whether the agent's cell is even or odd."""
+    seen = np.full((mdp.states, 2), 0.1)
+    seen[np.arange(mdp.states), mdp.factor("agent") % 2] = 0.9
+    return seen
+
+
+def test_time_is_foreseen_for_all_states_together():
+    mdp = hb.tabulate(hb.load_world("yard"))
+    cases: list[dict[str, Any]] = [
+        {"sensor": "object", "method": "sampled"},
+        {"sensor": noisy_agent(mdp)},
+    ]
+    for options in cases:
+        with pytest.raises(ValueError, match=r"takes about .* the limits are 8 GiB and 1 s"):
+            hb.empowerment(mdp, 40, **options, max_seconds=1)
+        one = hb.empowerment(mdp, 4, **options, states=[0], max_seconds=60)
+        assert np.isfinite(one).all()
+
+
+def test_the_time_of_samples_is_foreseen_to_within_a_factor(monkeypatch: pytest.MonkeyPatch):
+    """Most of a state's time is the same for any number of sequences: it is not multiplied."""
+    mdp = hb.tabulate(hb.load_world("yard"))
+    problem = problem_of(mdp, 40, "object", np.arange(8), 1e-6)
+    sampled(problem, 3000, 10, 0)
+    began = time.thread_time()
+    sampled(problem, 3000, 1000, 0)
+    took = time.thread_time() - began
+    assert took / 8 < effort._sampling_tried(problem, 3000, 1000).sum() < 8 * took
+
+
+@pytest.mark.parametrize(
+    ("options", "advice"),
+    [
+        ({}, "use it, raise max_gib or max_seconds, or ask for a lower bound with method='sampl"),
+        ({"method": "sampled"}, "use it, raise max_gib or max_seconds, or draw fewer samples"),
+        (
+            {"max_gib": 1e-12},
+            "no horizon fits: raise max_gib or max_seconds, or ask for a lower bound",
+        ),
+    ],
+)
+def test_a_refusal_advises_what_can_be_done(options: Any, advice: str):
+    mdp = hb.tabulate(hb.World.parse("A.C\n.PG"), slip=0.2)
+    with pytest.raises(ValueError, match=r"and (the largest|no) horizon (that )?fits") as refused:
+        hb.empowerment(mdp, 10**9, "object", **options)
+    assert advice in str(refused.value)
+    assert str(refused.value).count("sampled") == ("lower bound" in advice)

@@ -6,6 +6,7 @@ action by action and merged at every step. An action is available under a belief
 state that the belief holds possible; other actions lead to no belief.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -96,18 +97,26 @@ class Successors:
         return table.reshape(-1, self.actions)
 
 
+def unheard(done: int, known: int) -> None:
+    """For what nobody waits for."""
+
+
 def beliefs_after(
-    successors: Successors, start: int, horizon: int, most_entries: int = 2**62
+    successors: Successors,
+    start: int,
+    horizon: int,
+    most_entries: int = 2**62,
+    tell: Callable[[int, int], None] = unheard,
 ) -> Beliefs:
     """All distinct beliefs that sequences of h actions from a state lead to.
 
-    None where no sequence can surely be carried out.
+    None where no sequence can surely be carried out. `tell` receives how many actions are done.
 
     Raises:
         TooManyBeliefsError: at some step they are more than `most_entries` numbers.
     """
     if successors.certain:
-        return _ends(successors, start, horizon)
+        return _ends(successors, start, horizon, most_entries, tell)
     states, local = _around(successors, start, horizon)
     most = max(most_entries // len(states), 1)
     matrix = np.zeros((1, len(states)))
@@ -121,21 +130,31 @@ def beliefs_after(
         if len(matrix) > most:
             raise TooManyBeliefsError(t)
         steps.append((parent, action))
+        tell(t + 1, horizon)
     return Beliefs(states, matrix, tuple(steps))
 
 
-def _ends(successors: Successors, start: int, horizon: int) -> Beliefs:
+def _ends(
+    successors: Successors,
+    start: int,
+    horizon: int,
+    most: int,
+    tell: Callable[[int, int], None],
+) -> Beliefs:
     """`beliefs_after` where nothing is uncertain: a belief is a state."""
     from scipy.sparse import csr_array, eye_array
 
     next_state = successors.next_state
     here, steps = np.array([start], np.int32), []
-    for _ in range(horizon):
+    for t in range(horizon):
         here, index = np.unique(next_state[here], return_index=True)
         if len(here) and here[0] == UNAVAILABLE:
             here, index = here[1:], index[1:]
         parent, action = np.divmod(index.astype(np.int32), successors.actions)
+        if len(here) > most:
+            raise TooManyBeliefsError(t)
         steps.append((parent, action))
+        tell(t + 1, horizon)
     return Beliefs(here, csr_array(eye_array(len(here))), tuple(steps))
 
 

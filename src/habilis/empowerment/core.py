@@ -18,7 +18,7 @@ from habilis.empowerment.arguments import (
 )
 from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.capacity import checked_tolerance, warn_of_gap
-from habilis.empowerment.limits import MAX_GIB, MAX_SECONDS, Limits, Progress
+from habilis.empowerment.limits import MAX_GIB, MAX_SECONDS, OTHERWISE, Limits, Progress
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
 from habilis.processors import processors
@@ -152,7 +152,7 @@ def empowerment(
         ValueError: a horizon that is not a whole number from 0 up, an unknown sensor, no
             actions, an action or state that the MDP does not have, another argument that is none
             of its kind, or a computation above max_gib or max_seconds: the message then names the
-            largest horizon that fits.
+            largest horizon that fits, "about" where it is estimated from a time.
 
     Warns:
         ConvergenceWarning: a gap is above the tolerance (never for "sampled").
@@ -176,7 +176,7 @@ def empowerment(
     if isinstance(mdp, World):
         mdp, states = _around(mdp, horizon, sensor, states, show_progress)
     used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
-    limits = Limits(max_gib, max_seconds)
+    limits = Limits(max_gib, max_seconds, OTHERWISE[method])
     if not mdp.is_stochastic and not is_noisy(sensor) and method == "exact":
         counters = threads or processors()
         some = None if states is None else starts

@@ -107,44 +107,62 @@ def counts_by_horizon(question: Question) -> Int64[np.ndarray, "h+1 n"]:
         TooMuchError: it would take more than the limits; h + 1 numbers a state asked about are
             part of it.
     """
+    size = len(question.table if question.starts is None else question.starts)
+    horizon, limits = question.horizon, question.limits
+    check_memory(*_rows_gib(question, size, horizon + 1), horizon, limits)
+    rows, period = counts_until_repeated(question)
+    return rows[repeated(horizon, len(rows) - 1, period)]
+
+
+def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"], int]:
+    """`counts` of 0, 1, ... actions, up to h or to where they come again, whichever is sooner.
+
+    Returns:
+        The k rows; and the period, so that the row after the last is the one of `period` rows
+        before: see `repeated`.
+
+    Raises:
+        TooMuchError: it would take more than the limits.
+    """
     asked, place, levels = _near(question)
     horizon, limits = question.horizon, question.limits
-    row = 8 * (2 + asked.threads) * max(len(place), 1)
-    gib = row * (horizon + 1) / _GIB
-    check_memory(gib, int(min(limits.gib * _GIB, 2**62)) // row - 1, horizon, limits)
-    rows: list[Counts] = []
     if asked.label_count <= MOST_PACKED_LABELS:
-        gib += _check(
-            question.horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64))
-        )
+        gib = _check(horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64)))
         _compile_packed()
         watch = watched(horizon, horizon, gib, limits, question.tell)
         sets = sets_backward(
             asked.table, asked.labels, asked.label_count, horizon, asked.threads, jump=False
         )
-        period = 0
+        rows: list[Counts] = []
         while True:
             try:
                 now, _ = next(sets)
             except StopIteration as end:
-                period = end.value
-                break
+                return np.stack(rows), end.value
             rows.append(sizes(now[place]))
+            check_memory(*_rows_gib(question, len(place), len(rows), gib), horizon, limits)
             watch((len(rows) - 1) / max(horizon, 1))
-        return np.stack(rows)[repeated(horizon, len(rows) - 1, period)]
+    # A block of columns has a period of its own: all of them together seldom have a short one.
     columns = Columns.of(asked.labels, asked.label_count, None)
-    gib += _check(question.horizon, asked, levels, _columns_bytes(asked, columns))
+    gib = _check(horizon, asked, levels, _columns_bytes(asked, columns))
+    check_memory(*_rows_gib(question, len(place), horizon + 1, gib), horizon, limits)
     _compile_columns(False)
     watch = watched(horizon, horizon, gib, limits, question.tell)
-    return count_every_horizon(
-        Graph.of(asked.table),
-        asked.labels,
-        asked.label_count,
-        horizon,
-        place,
-        asked.threads,
-        watch,
+    graph = Graph.of(asked.table)
+    every = count_every_horizon(
+        graph, asked.labels, asked.label_count, horizon, place, asked.threads, watch
     )
+    return every, 0
+
+
+def _rows_gib(question: Question, size: int, rows: int, besides: float = 0) -> tuple[float, int]:
+    """The memory of so many rows and of what is besides, and the last row for which there is any.
+
+    Rows are kept one by one, put together, and repeated; of many labels a thread has its own.
+    """
+    row = 8 * (2 + question.threads) * max(size, 1)
+    left = int(min((question.limits.gib - besides) * _GIB, 2**62))
+    return besides + row * rows / _GIB, max(left // row - 1, -1)
 
 
 # Done once before anything is timed: the first time, it is compiled, for many seconds.

@@ -21,7 +21,6 @@ from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
 from habilis.progress import progress_bar
 
-_LONG = 1000  # actions above which the cost is estimated before the start
 _UNUSED = 1e-9  # sequences with less probability are left out
 
 
@@ -65,6 +64,7 @@ def futures(
     unit: Unit = "bits",
     tolerance: float = 1e-6,
     max_gib: float = MAX_GIB,
+    max_seconds: float = MAX_SECONDS,
     show_progress: bool = False,
 ) -> Futures:
     """The capacity-achieving distribution over action sequences of one state.
@@ -77,7 +77,7 @@ def futures(
     (Klyubin, Polani and Nehaniv 2005), found as in `capacity`.
 
     Args:
-        mdp, horizon, sensor, actions, unit, tolerance, max_gib, show_progress: as in
+        mdp, horizon, sensor, actions, unit, tolerance, max_gib, max_seconds, show_progress: as in
             `empowerment`.
         state: the state's index.
 
@@ -103,16 +103,15 @@ def futures(
 
     horizon, scale = whole_number("horizon", horizon), per_bit(unit)
     tolerance = checked_tolerance(tolerance) / scale
-    limits = Limits(positive("max_gib", max_gib), MAX_SECONDS)
+    limits = Limits(positive("max_gib", max_gib), positive("max_seconds", max_seconds))
     used = chosen_actions(mdp, actions)
     start = int(chosen_states(mdp, [state])[0])
     most = most_entries(limits, 1)
     problem = problem_of(mdp, horizon, sensor, used, tolerance, most)
-    if horizon > _LONG:
-        check_effort(problem, np.array([start]), 1, limits)
+    check_effort(problem, np.array([start]), 1, limits)
     try:
-        with progress_bar("futures", show_progress):
-            beliefs, answer = exact(problem, start)
+        with progress_bar("actions", show_progress) as tell:
+            beliefs, answer = exact(problem, start, tell)
     except TooManyBeliefsError as error:
         raise too_much(horizon, error.horizon, limits) from None
     if answer.gap > tolerance:

@@ -13,7 +13,7 @@ from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.core import Options
-from habilis.empowerment.horizons import empowerment_by_horizon
+from habilis.empowerment.horizons import empowerment_until_repeated
 from habilis.empowerment.measures import NOTHING, average_empowerment, compared_states, held
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import TabularMDP
@@ -53,11 +53,11 @@ def latency(
         array([ 2.,  1., inf, inf])
     """
     return first_above_nothing(
-        empowerment_by_horizon(mdp, horizon, sensor, actions, states, **options)
+        empowerment_until_repeated(mdp, horizon, sensor, actions, states, **options)
     )
 
 
-def first_above_nothing(bits: Float64[np.ndarray, "h+1 n"]) -> Float64[np.ndarray, "n"]:
+def first_above_nothing(bits: Float64[np.ndarray, "k n"]) -> Float64[np.ndarray, "n"]:
     """The first row that is above 0, infinity where none is."""
     some = bits > NOTHING
     return np.where(some.any(axis=0), some.argmax(axis=0), np.inf)

@@ -13,14 +13,23 @@ class Limits:
     Attributes:
         gib: memory in use at once, in GiB.
         seconds: time.
+        otherwise: what else can be done where it would cost more, as the error says it; "" where
+            nothing can.
     """
 
     gib: float
     seconds: float
+    otherwise: str = ""
 
 
 MAX_GIB, MAX_SECONDS = 8.0, 3600.0
 """What a computation may cost where nobody says."""
+
+OTHERWISE = {
+    "exact": "ask for a lower bound with method='sampled'",
+    "sampled": "draw fewer samples",
+}
+"""What else can be done, by the method of `empowerment`."""
 
 UNLIMITED = Limits(inf, inf)
 
@@ -49,14 +58,24 @@ class TooMuchError(ValueError):
 
 
 def too_much(
-    horizon: int, fitting: int, limits: Limits, cost: str = "turns out to take more memory"
+    horizon: int,
+    fitting: int,
+    limits: Limits,
+    cost: str = "turns out to take more memory",
+    estimated: bool = False,
 ) -> TooMuchError:
-    """The error that names the largest horizon that fits."""
-    best = f"the largest horizon that fits is {fitting}" if fitting >= 0 else "no horizon fits"
+    """The error that names the largest horizon that fits, and what can be done."""
+    about = "about " if estimated else ""
+    remedies = ["raise max_gib or max_seconds", *filter(None, [limits.otherwise])]
+    best = "no horizon fits"
+    if fitting >= 0:
+        best = f"the largest horizon that fits is {about}{fitting}"
+        remedies = ["use it", *remedies]
+    *first, last = remedies
+    steps = f"{', '.join(first)}, or {last}" if first else last
     message = (
         f"horizon {horizon} {cost}; the limits are {limits.gib:g} GiB and {limits.seconds:g} s, "
-        f"and {best}: use it, raise max_gib or max_seconds, or ask for a lower bound "
-        "with method='sampled'"
+        f"and {best}: {steps}"
     )
     return TooMuchError(message, horizon, fitting)
 
@@ -105,6 +124,6 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
         seconds = elapsed / share
         if seconds > limits.seconds:
             fitting = min(int(steps * limits.seconds / seconds), horizon - 1)
-            raise too_much(horizon, fitting, limits, takes(gib, seconds))
+            raise too_much(horizon, fitting, limits, takes(gib, seconds), estimated=True)
 
     return watch

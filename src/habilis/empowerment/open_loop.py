@@ -1,5 +1,6 @@
 """The open-loop empowerment of one state where outcomes or the sensor are uncertain."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from habilis.empowerment.beliefs import (
     beliefs_after,
     distinct,
     followed,
+    unheard,
     wandered,
 )
 from habilis.empowerment.optimum import best_inputs
@@ -101,15 +103,20 @@ def successors_of(transitions: "Int32[np.ndarray, 'S A'] | csr_array", actions: 
     )
 
 
-def exact(problem: Problem, start: int) -> tuple[Beliefs, Answer]:
+def exact(
+    problem: Problem, start: int, tell: Callable[[int, int], None] = unheard
+) -> tuple[Beliefs, Answer]:
     """The empowerment of a state over all sequences of actions.
+
+    Args:
+        problem: what is asked.
+        start: the state.
+        tell: receives how many actions are done, and how many there are.
 
     Raises:
         TooManyBeliefsError: there are more beliefs than `most_entries` allows.
     """
-    beliefs = beliefs_after(
-        problem.successors, start, problem.horizon, most_entries=problem.most_entries
-    )
+    beliefs = beliefs_after(problem.successors, start, problem.horizon, problem.most_entries, tell)
     answer = solve_channel(problem, beliefs.states, beliefs.matrix)
     return beliefs, answer
 
@@ -123,17 +130,24 @@ def sampled(problem: Problem, start: int, samples: int, seed: int) -> Answer:
     the number of possible observations.
     """
     actions, horizon = problem.successors.actions, problem.horizon
-    rng = np.random.default_rng([seed, start])
-    if problem.successors.always_available:
-        sequences = rng.integers(actions, size=(samples, horizon), dtype=np.int32)
-        states, matrix = followed(problem.successors, start, sequences)
-    else:
-        states, matrix = wandered(problem.successors, start, rng.random((samples, horizon)))
+    states, matrix = drawn(problem, start, samples, seed)
     answer = solve_channel(problem, states, matrix)
     possible = problem.sensor[states].sum(axis=0).astype(bool).sum()
     most = min(np.log2(max(possible, 1)), horizon * np.log2(actions))
     gap = max(float(most) - answer.bits, answer.gap)
     return Answer(answer.bits, gap, answer.channel, answer.observations, answer.rows, answer.inputs)
+
+
+def drawn(
+    problem: Problem, start: int, samples: int, seed: int
+) -> tuple[Int32[np.ndarray, "N"], Float64[np.ndarray, "k N"]]:
+    """The beliefs, over which states, that sequences drawn as `sampled` draws them lead to."""
+    actions, horizon = problem.successors.actions, problem.horizon
+    rng = np.random.default_rng([seed, start])
+    if problem.successors.always_available:
+        sequences = rng.integers(actions, size=(samples, horizon), dtype=np.int32)
+        return followed(problem.successors, start, sequences)
+    return wandered(problem.successors, start, rng.random((samples, horizon)))
 
 
 def solve_channel(

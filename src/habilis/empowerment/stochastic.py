@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from habilis.empowerment.beliefs import TooManyBeliefsError
+from habilis.empowerment.beliefs import TooManyBeliefsError, unheard
 from habilis.empowerment.effort import check_effort, check_samples, most_entries
 from habilis.empowerment.limits import Limits, too_much
 from habilis.empowerment.open_loop import Answer, Problem, exact, sampled
@@ -16,10 +16,6 @@ Bits = Float64[np.ndarray, "n"]
 _LONG = 64  # actions above which fewer with the same outcomes are looked for
 Tell = Callable[[int, int], None]
 """Receives how many states are done, and how many there are."""
-
-
-def unheard(done: int, known: int) -> None:
-    """For what nobody waits for."""
 
 
 def certified_bits(

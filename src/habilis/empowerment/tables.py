@@ -1,7 +1,6 @@
 """Values of states as tables, in memory and as files."""
 
 from collections.abc import Callable, Mapping
-from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
@@ -113,10 +112,8 @@ def _npy(table: pl.DataFrame, file: BinaryIO) -> None:
 
 
 def write_array(array: np.ndarray, file: BinaryIO) -> None:
-    """Writes an array as .npy, as bytes: of a full disk NumPy itself says only how far it came."""
-    content = BytesIO()
-    np.save(content, array, allow_pickle=False)
-    file.write(content.getbuffer())
+    """Writes an array as .npy."""
+    np.save(file, array, allow_pickle=False)
 
 
 TABLES: dict[str, Callable[[pl.DataFrame, BinaryIO], None]] = {

@@ -138,10 +138,10 @@ def too_many(world: World, horizon: int | None, max_states: int) -> TooManyPlace
     """The error that says how many placements there are, and what to do."""
     if horizon is None:
         return TooManyPlacementsError(
-            f"{world.name}: more than {max_states:,} placements can be reached; take things away, "
-            "make the map smaller, or raise max_states if there is memory for it"
+            f"{world.name}: more than {max_states:,} placements can be reached; take things away "
+            "or make the map smaller"
         )
     return TooManyPlacementsError(
         f"{world.name}: {horizon} actions reach more than {max_states:,} placements; "
-        "ask for a lower horizon, or raise max_states if there is memory for it"
+        "ask for a lower horizon"
     )

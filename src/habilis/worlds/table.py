@@ -11,12 +11,13 @@ from habilis.progress import progress_bar
 from habilis.worlds.described import actions_of, describe, rewards
 from habilis.worlds.moving import put
 from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
-from habilis.worlds.reach import MAX_STATES, reachable
+from habilis.worlds.reach import MAX_STATES, TooManyPlacementsError, reachable
 from habilis.worlds.rules import Grid, Kinds, Places, successor
 from habilis.worlds.tools import Cells
 from habilis.worlds.world import Cell, World
 
 _BLOCK = 1 << 14  # placements moved at once: the arrays of one block stay in the cache
+_MORE = "or raise max_states if there is memory for it"
 
 
 def tabulate(
@@ -68,7 +69,11 @@ def tabulate(
     """
     if world.several or starts is not None:
         starts = [start_of(world)] if starts is None else starts
-        return reachable(world, starts, None, max_states, show_progress)[0].slippery(slip)
+        try:
+            reached = reachable(world, starts, None, max_states, show_progress)[0]
+        except TooManyPlacementsError as error:
+            raise TooManyPlacementsError(f"{error}, {_MORE}") from None
+        return reached.slippery(slip)
     return _whole(world, max_states, show_progress).slippery(slip)
 
 
@@ -86,7 +91,7 @@ def _whole(world: World, max_states: int, show_progress: bool = False) -> Tabula
     if most > max_states:
         raise ValueError(
             f"{world.name}: {most:,} placements are more than {max_states:,}; "
-            "make the map smaller, or raise max_states if there is memory for it"
+            f"make the map smaller, {_MORE}"
         )
     state_of = np.full((len(hands), len(grid.wall)), -1, np.int32)
     in_hand = (hands[:, :, None] == grid.free).any(axis=1)
