@@ -311,7 +311,7 @@ def test_what_cannot_be_tabulated_is_refused_with_the_mend(env: Any, message: st
         TabularMDP.from_gymnasium(env)
 
 
-def test_an_attribute_that_cannot_be_compared_is_named():
+def test_an_attribute_that_cannot_be_compared_is_named_and_may_be_ignored():
     class Simulator:
         def __init__(self) -> None:
             self.lock = threading.Lock()
@@ -323,6 +323,7 @@ def test_an_attribute_that_cannot_be_compared_is_named():
     env.simulator = Simulator()  # type: ignore[attr-defined]
     with pytest.raises(ValueError, match=r"attribute 'simulator\.lock' .* cannot be compared"):
         TabularMDP.from_gymnasium(env)
+    assert TabularMDP.from_gymnasium(env, ignore=["simulator", "steps"]).states == 6
 
 
 def test_more_states_than_allowed_are_refused():
