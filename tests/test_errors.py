@@ -230,7 +230,7 @@ def test_every_verb_that_computes_empowerment_takes_its_options(capsys, tmp_path
 
 
 def test_only_who_has_max_states_is_advised_to_raise_it():
-    several = hb.World.parse("D = ball\nA.PC\n.D.G\n....")
+    several = hb.World.parse("D = ball\nG = goal of C\nA.PC\n.D.G\n....")
     with pytest.raises(ValueError, match=r"more than 9 placements; ask for a lower horizon$"):
         reachable(several, start_of(several), 8, max_states=9)
     with pytest.raises(ValueError, match="make the map smaller, or raise max_states if there"):
