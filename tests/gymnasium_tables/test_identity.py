@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
@@ -220,11 +220,13 @@ plain = st.recursive(
 )
 
 
+@settings(deadline=None)
 @given(plain)
 def test_copies_have_the_value_of_what_they_were_copied_from(value: Any):
     assert digest(copy.deepcopy(value)) == digest(value)
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats() | st.integers(-(2**60), 2**60), min_size=1))
 def test_arrays_have_the_value_of_lists(values: list[float]):
     if all(type(value) is float for value in values):
@@ -233,6 +235,7 @@ def test_arrays_have_the_value_of_lists(values: list[float]):
         assert digest(np.array(values)) == digest(tuple(values))
 
 
+@settings(deadline=None)
 @given(plain, plain)
 def test_a_value_changed_anywhere_is_another(value: Any, other: Any):
     same = digest(value) == digest(other)
