@@ -259,11 +259,11 @@ def test_render_without_a_mode_draws_nothing_and_says_so():
         ({"world": "yard", "measures": ["toe"]}, "measures is .*; give names"),
         (
             {"world": "yard", "measures": {"toe": {"horizon": 1, "return_gap": True}}},
-            "measure 'toe': it has not one value",
+            "measure 'toe' needs one value",
         ),
         (
             {"world": "yard", "measures": {"toe": {"horizon": 1, "states": [0]}}},
-            "measure 'toe': it has not one value",
+            "measure 'toe' needs one value",
         ),
         ({"world": 5}, "world is 5; give"),
     ],

@@ -57,7 +57,8 @@ def tabulate(
         put down and not left since. Of several tools each has a flag, "equipped:picker" and so on.
 
     Raises:
-        ValueError: the map has more placements, or slip is no probability.
+        ValueError: slip is no probability.
+        TooManyPlacementsError: a ValueError: the map has more placements than max_states.
 
     Example:
         >>> from habilis.worlds.world import World
