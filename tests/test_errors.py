@@ -1,4 +1,4 @@
-"""An error names what is wrong, where, and how to fix it, in the words of whoever made it."""
+"""An error names what is wrong, where, and how to fix it, in the terms of what was called."""
 
 import re
 from pathlib import Path

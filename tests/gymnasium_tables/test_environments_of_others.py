@@ -470,8 +470,9 @@ def test_what_happens_late_in_an_episode_is_found_out():
     for after in (20, 100, 400):
         with pytest.raises(ValueError, match=r"its transitions depend on steps"):
             T(Ends(after), ignore=["steps"])
-    with pytest.raises(ValueError, match="LateWind changes what a step does"):
-        T(LateWind(Cells()))
+    for env in (Cells(), WithP(listed())):
+        with pytest.raises(ValueError, match="LateWind changes what a step does"):
+            T(LateWind(env))
 
 
 @dataclasses.dataclass(frozen=True)

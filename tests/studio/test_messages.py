@@ -147,7 +147,7 @@ def raise_if_no_request(text):
         raise MessageError("no request of ours", request.id)
 
 
-def test_a_message_that_is_too_long_is_answered_to_whoever_sent_it(address):
+def test_a_message_that_is_too_long_is_answered_to_its_sender(address):
     with page(address) as there:
         number = there.send("read", scene={"map": "." * MESSAGE})
         error = next(there.answers(number))["error"]

@@ -121,7 +121,7 @@ def verified(indexed: Indexed) -> int:
     with left_alone(generators):
         try:
             held = _Held(indexed, env, generators, changes(env, "reward"))
-            seen, mismatch = replayed(held, LEAST_SECONDS)
+            seen, mismatch = replayed(held, LEAST_SECONDS, late=bool(step_changers(env)))
         finally:
             if env is indexed.env:
                 reset(env, None)

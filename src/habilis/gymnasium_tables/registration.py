@@ -9,8 +9,8 @@ import gymnasium
 def made(identity: str, arguments: dict[str, Any]) -> gymnasium.Env:
     """`gymnasium.make`, with every failure a ValueError of one line, and no warnings.
 
-    Its warnings tell authors of programs that a newer version exists: whoever names an environment
-    on the command line means that one.
+    Its warnings tell authors of programs that a newer version exists: a user who names an
+    environment on the command line means that one.
     """
     try:
         with warnings.catch_warnings():

@@ -115,7 +115,7 @@ def check_environment(env: Any, identity: Identity) -> None:
     if env.action_space != layer.action_space:
         raise ValueError(
             f"the actions are {env.action_space} outside and {layer.action_space} inside; give the "
-            "environment inside of the wrapper that changes them"
+            "environment inside the wrapper that changes them"
         )
 
 

@@ -54,7 +54,7 @@ async def _train(pools: Pools, client: Client, number: int, training: Training) 
 
 
 async def listed(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
-    """The trainings that there are folders of, whoever began them; damaged ones with the reason."""
+    """All trainings that have a folder, from any page; damaged ones with the reason."""
     names = trainings.names()
     left_out = max(len(names) - LISTED, 0)
     await client.tell(request.id, names=names[:LISTED], left_out=left_out)
