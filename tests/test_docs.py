@@ -293,4 +293,5 @@ def test_a_refused_environment_has_its_reason_and_not_the_whole_error_in_the_tab
     assert {one for one in outcomes if one.startswith("refused")} == {
         "refused: random",
         "refused: more than 20,000 states",
+        "refused: it cannot be reset (a picture of its patterns is not in the package)",
     }

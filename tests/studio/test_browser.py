@@ -25,6 +25,7 @@ from studio_page import (
     STUCK,
     WORLD,
     drag,
+    give_text,
     keep_picture,
     map_text,
     middle,
@@ -460,10 +461,8 @@ def test_built_in_worlds_and_map_text(page: Page):
 
 
 def test_map_text_that_is_no_map_is_refused_in_the_library_s_words(page: Page):
-    page.locator("#map-text").click()
     text = "; its lines count\n....\n.AA.\n..C.\n...G"
-    page.locator("#text").fill(text)
-    page.locator("#use-map").click()
+    give_text(page, text)
     with pytest.raises(ValueError, match="line 3, column 3: a second agent") as refused:
         World.parse(text)
     expect(page.locator("dialog .fault")).to_have_text(str(refused.value))
@@ -996,9 +995,7 @@ def test_a_map_of_several_things_is_taken_in_as_text(page: Page):
     assert shown_bits(page) == true_bits(world, 3, "tool:rake")
     page.get_by_role("radio", name="No tool").check(force=True)
     assert shown_bits(page) == true_bits(world.with_tool("none"), 3, "object:can")
-    page.locator("#map-text").click()
-    page.locator("#text").fill("R = os:path\nARC.G\n.....\n.....\n.....")
-    page.locator("#use-map").click()
+    give_text(page, "R = os:path\nARC.G\n.....\n.....\n.....")
     expect(page.locator("dialog .fault")).to_contain_text("line 1: binds a character to a file")
 
 

@@ -112,11 +112,17 @@ def map_text(page: Page) -> str:
     return text
 
 
-def take_in(page: Page, text: str) -> None:
-    """Gives the page a map as text; the page asks the library before it shows it."""
+def give_text(page: Page, text: str) -> None:
+    """Writes a map in the dialog's field, once the dialog has come to rest, and submits it."""
     page.locator("#map-text").click()
+    expect(page.locator("#text")).not_to_have_value("", timeout=STUCK)
     page.locator("#text").fill(text)
     page.locator("#use-map").click()
+
+
+def take_in(page: Page, text: str) -> None:
+    """Gives the page a map as text; the page asks the library before it shows it."""
+    give_text(page, text)
     expect(page.locator("dialog")).to_have_count(0, timeout=STUCK)
 
 

@@ -30,7 +30,8 @@ export function openMapText({ hello, connection, store }: App): void {
   }
 
   read({ drawn: drawnOf(world), ...(bare ? { tool: NO_TOOL } : {}) }, ({ text }) => {
-    area.value ||= text.trimEnd();
+    if (area.value) return; // it is being written in: nothing under the pointer moves
+    area.value = text.trimEnd();
     holds(area.value.split("\n").length + 1);
   });
 
