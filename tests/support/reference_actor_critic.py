@@ -61,6 +61,18 @@ class Rollout:
     available: Bool[np.ndarray, "steps envs actions"] | None = None
     count: float = 0
 
+    def __post_init__(self) -> None:
+        for name in ("inputs", "actions", "cut_inputs"):
+            self._convert(name, None)
+        for name in ("rewards", "cut_values"):
+            self._convert(name, np.float64)
+        for name in ("terminated", "truncated", "mask", "available"):
+            self._convert(name, np.bool_)
+
+    def _convert(self, name: str, dtype: type | None) -> None:
+        if getattr(self, name) is not None:
+            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype))
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -190,7 +202,7 @@ def advantages_and_targets(
 
 def _counts(rollout: Rollout) -> Bool[np.ndarray, "steps envs"]:
     everything = np.ones(rollout.rewards.shape, bool)
-    return everything if rollout.mask is None else np.asarray(rollout.mask, bool)
+    return everything if rollout.mask is None else rollout.mask
 
 
 def batched(
@@ -300,7 +312,14 @@ def ppo_steps(
     whole = batched(parameters, rollout, found, old_policy=True)
 
     def part(places: Int[np.ndarray, " batch"]) -> Callable[[Parameters], Batches]:
-        chosen = Batches(*(None if field is None else field[places] for field in whole))
+        chosen = Batches(
+            whole.inputs[places],
+            whole.actions[places],
+            None if whole.available is None else whole.available[places],
+            whole.advantages[places],
+            whole.targets[places],
+            None if whole.old_log_probs is None else whole.old_log_probs[places],
+        )
         if found.normalise and found.normalise_over == "minibatch":
             advantages = standardised(chosen.advantages, unbiased=found.unbiased)
             chosen = chosen._replace(advantages=advantages)

@@ -29,10 +29,14 @@ class Parameters:
     value: Layers
     trunk: Layers = ()
 
+    def __post_init__(self) -> None:
+        for name in ("policy", "value", "trunk"):
+            layers = [(np.asarray(w, float), np.asarray(b, float)) for w, b in getattr(self, name)]
+            object.__setattr__(self, name, layers)
+
     def arrays(self) -> list[np.ndarray]:
         """All of them, weight before bias: trunk, policy, value."""
-        layers = (*self.trunk, *self.policy, *self.value)
-        return [np.asarray(array, np.float64) for layer in layers for array in layer]
+        return [array for layer in (*self.trunk, *self.policy, *self.value) for array in layer]
 
     def replaced(self, arrays: Sequence[np.ndarray]) -> "Parameters":
         """The same networks with these arrays, in the order of `arrays`."""
