@@ -14,7 +14,7 @@ from habilis.learning.a2c import actor_critic_loss
 from habilis.learning.actor_critic import Learner, descended, direction
 from habilis.learning.algorithms import A2C
 from habilis.learning.config import Config
-from habilis.learning.lanes import advance
+from habilis.learning.lanes import advance, settings_of
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Context
 from habilis.mdp import TabularMDP
@@ -172,10 +172,10 @@ def test_the_gradient_from_kept_activations_is_that_of_the_loss():
 
 def optimizer_step(gradient, clip, optimizer="rmsprop"):
     """The first change of the parameters, float[n]."""
-    algorithm = A2C(optimizer=optimizer)
-    numbers = {"clip": jnp.float32(clip), "learning_rate": jnp.float32(0.1)}
+    algorithm = A2C(optimizer=optimizer, learning_rate=0.1, clip=clip)
+    numbers = settings_of(Config(algorithm=algorithm), np.zeros(1)).numbers
     nothing: Any = None
-    context = Context(nothing, algorithm, numbers, nothing, nothing, nothing)
+    context = Context(nothing, algorithm, numbers, jnp.float32(0), nothing, nothing)
     parameters: Any = jnp.zeros(len(gradient))
     learner = Learner(parameters, direction(algorithm).init(parameters))
     changed: Any = descended(context, learner, jnp.asarray(gradient)).parameters  # pyright: ignore

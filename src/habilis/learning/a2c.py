@@ -4,7 +4,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from habilis.learning import actor_critic
 from habilis.learning.actor_critic import Learner
@@ -25,7 +25,8 @@ def learn(
     network = learner.parameters
     advantage, target = actor_critic.advantages(context, network, experience)
     if context.algorithm.normalise:
-        advantage = actor_critic.normalised(advantage)
+        unbiased = context.algorithm.unbiased
+        advantage = actor_critic.normalised(advantage, unbiased, experience.made)
     inputs, activations = jax.tree.map(_flat, experience.kept)
     available = context.task.available_in(experience.state.reshape(-1))
 
@@ -39,6 +40,7 @@ def learn(
         target.reshape(-1),
         actor_critic.entropy_weight(context),
         context.numbers["value"],
+        None if experience.made is None else experience.made.reshape(-1),
     )
     gradient = network.gradient(inputs, activations, of_outputs)
     return actor_critic.descended(context, learner, gradient), loss
@@ -51,8 +53,9 @@ def actor_critic_loss(
     target: Float[Array, "n"],
     entropy: Float[Array, ""] | float,
     value: Float[Array, ""] | float,
+    made: Bool[Array, "n"] | None = None,
 ) -> Float[Array, ""]:
-    """The mean over the batch of
+    """The mean over the batch, or those of its steps that were made, of
 
         - log pi(a|s) * A  +  value * (V(s) - target)^2  -  entropy * H(pi(.|s))
 
@@ -65,7 +68,7 @@ def actor_critic_loss(
     uncertainty = -(jnp.exp(log_policy) * log_policy).sum(axis=-1)
     return (
         -chosen * advantage + value * jnp.square(estimate - target) - entropy * uncertainty
-    ).mean()
+    ).mean(where=made)
 
 
 def _flat(x: Float[Array, "T E *rest"]) -> Float[Array, "n *rest"]:

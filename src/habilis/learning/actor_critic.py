@@ -9,29 +9,38 @@ import optax
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.learning.algorithms import A2C, PPO
-from habilis.learning.networks import Network
+from habilis.learning.networks import Inputs, Network, Separate, actor_critic_network
 from habilis.learning.returns import generalised_advantages
-from habilis.learning.rollout import Context, Experience, Numbers, linearly, masked, sampled
+from habilis.learning.rollout import Context, Experience, linearly, masked, sampled
 from habilis.learning.task import Task
 
 
 class Learner(NamedTuple):
-    """A network with one trunk for policy and value: logits of the actions, then the value."""
+    """A network whose outputs are the logits of the actions, then the value."""
 
-    parameters: Network
+    parameters: Network | Separate
     optimizer: optax.OptState
 
 
 class Decision(NamedTuple):
     """What is remembered of a decision: the network's inputs and what its layers gave out."""
 
-    inputs: Int[Array, "*time factors"]
+    inputs: Inputs
     activations: list[Float[Array, "*time _"]]
 
 
 def start(task: Task, rows: int, algorithm: A2C | PPO, key: PRNGKeyArray) -> Learner:
-    """A learner before its first step: an undecided policy, and a value that is near zero."""
-    network = Network(rows, task.inputs.shape[1], task.actions + 1, algorithm.hidden, key)
+    """A learner before its first step, with the initial weights that the settings name."""
+    network = actor_critic_network(
+        algorithm.networks,
+        rows,
+        task.inputs.shape[1],
+        task.actions,
+        algorithm.hidden,
+        key,
+        algorithm.activation,
+        algorithm.initialisation,
+    )
     tree: Any = network
     return Learner(network, direction(algorithm).init(tree))
 
@@ -48,7 +57,7 @@ def act(
     return sampled(activations[-1][:, :-1], draw, available), Decision(inputs, activations)
 
 
-def preferences(task: Task, network: Network) -> Float[Array, "S A"]:
+def preferences(task: Task, network: Network | Separate) -> Float[Array, "S A"]:
     """The logits of all actions in all states."""
     return masked(network(task.inputs)[:, :-1], task.available)
 
@@ -63,7 +72,7 @@ def masked_outputs(
 
 
 def advantages(
-    context: Context, network: Network, experience: Experience
+    context: Context, network: Network | Separate, experience: Experience
 ) -> tuple[Float[Array, "T E"], Float[Array, "T E"]]:
     """Advantages, and the targets of the values."""
     value = experience.kept.activations[-1][..., -1]
@@ -84,36 +93,72 @@ def advantages(
     return advantage, advantage + value
 
 
-def normalised(advantage: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    return (advantage - advantage.mean()) / (advantage.std() + 1e-8)
+def normalised(
+    advantage: Float[Array, "*n"],
+    unbiased: bool = False,
+    counted: Bool[Array, "*n"] | None = None,
+) -> Float[Array, "*n"]:
+    """Advantages of mean 0 and deviation 1.
+
+    Args:
+        advantage: of the steps of a batch.
+        unbiased: whether the deviation is the unbiased one, of n - 1.
+        counted: which of the steps there are; `None`: all.
+    """
+    mean = advantage.mean(where=counted)
+    deviation = advantage.std(where=counted, ddof=int(unbiased))
+    return (advantage - mean) / (deviation + 1e-8)
 
 
 def entropy_weight(context: Context) -> Float[Array, ""]:
-    """After so many environment steps."""
+    """After so many environment steps, or episodes."""
     n = context.numbers
-    since = context.taken - n["entropy_hold"]
+    since = _clock(context) - n["entropy_hold"]
     return linearly(n["entropy"], n["entropy_end"], n["entropy_steps"], since)
+
+
+def learning_rate(context: Context) -> Float[Array, ""]:
+    """After so many environment steps, or episodes."""
+    n, clock = context.numbers, _clock(context)
+    rate = linearly(n["learning_rate"], n["learning_rate_end"], n["learning_rate_steps"], clock)
+    every = n["learning_rate_every"]
+    decays = jnp.where(every > 0, jnp.floor(clock / jnp.maximum(every, 1)), 0.0)
+    return rate * n["learning_rate_decay"] ** decays
+
+
+def _clock(context: Context) -> Float[Array, ""]:
+    return context.taken if context.algorithm.schedule == "steps" else context.episodes
 
 
 def descended(context: Context, learner: Learner, gradient: Any) -> Learner:
     """A learner after one step of its optimiser, on the gradient clipped to its largest norm."""
-    numbers: Numbers = context.numbers
-    norm = optax.tree.norm(gradient)
-    shrink = jnp.minimum(1, numbers["clip"] / jnp.maximum(norm, 1e-30))
-    gradient = jax.tree.map(partial(jnp.multiply, shrink), gradient)
+    largest = context.numbers["clip"]
+    if isinstance(gradient, Separate):
+        gradient = Separate(_clipped(gradient.policy, largest), _clipped(gradient.value, largest))
+    else:
+        gradient = _clipped(gradient, largest)
     change, optimizer = direction(context.algorithm).update(gradient, learner.optimizer)
+    rate = learning_rate(context)
     network = jax.tree.map(
-        lambda weight, step: weight - numbers["learning_rate"] * step,
+        lambda weight, step: weight - rate * step,
         learner.parameters,
         change,
     )
     return Learner(network, optimizer)
 
 
+def _clipped(gradient: Any, largest: Float[Array, ""]) -> Any:
+    """A gradient whose norm is at most so large; 0: as it is."""
+    norm = optax.tree.norm(gradient)
+    shrink = jnp.minimum(1, largest / jnp.maximum(norm, 1e-30))
+    return jax.tree.map(partial(jnp.multiply, jnp.where(largest > 0, shrink, 1.0)), gradient)
+
+
 def direction(algorithm: A2C | PPO) -> optax.GradientTransformation:
     """The optimiser, before its step size."""
     known = {
         "rmsprop": optax.scale_by_rms(decay=0.99, eps=1e-5),
+        "rmsprop-torch": optax.scale_by_rms(decay=0.99, eps=1e-5, eps_in_sqrt=False),
         "adam": optax.scale_by_adam(),
     }
     return known[algorithm.optimizer]

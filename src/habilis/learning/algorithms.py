@@ -12,13 +12,25 @@ from habilis.checks import (
     widths,
 )
 
-OPTIMIZERS = ("rmsprop", "adam")
+OPTIMIZERS = ("rmsprop", "rmsprop-torch", "adam")
+SCHEDULES = ("steps", "episodes")
+NETWORKS = ("shared", "separate")
+ACTIVATIONS = ("tanh", "relu", "selu", "sigmoid")
+INITIALISATIONS = ("lecun", "orthogonal", "pytorch")
 
 _ENVS = "environments that each run steps together"
 _ROLLOUT = "steps of each environment between two updates"
 _RATE = "step size of the optimiser"
-_OPTIMIZER = "rmsprop (decay 0.99, epsilon 1e-5) or adam"
-_CLIP = "largest norm of the gradient"
+_RATE_END = "step size after learning_rate_steps"
+_RATE_STEPS = "environment steps over which the step size changes linearly; 0: it does not"
+_RATE_DECAY = "factor on the step size after each learning_rate_every"
+_RATE_EVERY = "environment steps after which the step size decays; 0: it does not"
+_SCHEDULE = 'what the fields of schedules count: environment "steps" or "episodes" that ended'
+_OPTIMIZER = (
+    "rmsprop (decay 0.99, epsilon 1e-5 in the root), rmsprop-torch (epsilon outside the root, as "
+    "PyTorch has it) or adam"
+)
+_CLIP = "largest norm of a network's gradient; 0: any"
 _ENTROPY = "weight of the policy's entropy (nats) in the loss"
 _ENTROPY_END = "weight of the entropy after entropy_steps"
 _ENTROPY_STEPS = "environment steps over which that weight changes linearly; 0: it does not"
@@ -27,8 +39,15 @@ _VALUE = "weight of the value's squared error in the loss"
 _DISCOUNT = "discount factor, gamma"
 _LAMBDA = "lambda of the generalised advantage; 1: n-step returns"
 _NORMALISE = "whether advantages have mean 0 and deviation 1 in each batch"
+_UNBIASED = "whether that deviation is the unbiased one, of n - 1"
 _SCALE = "factor on the reward that the agent learns from (counted returns have none)"
-_HIDDEN = "widths of the network's hidden layers"
+_HIDDEN = "widths of a network's hidden layers"
+_NETWORKS = 'one "shared" trunk for policy and value, or "separate" networks'
+_ACTIVATION = f"of the hidden layers: {', '.join(ACTIVATIONS)}"
+_INITIALISATION = (
+    "of weights: lecun (normal, the last layer small), orthogonal (gain of the activation) or "
+    "pytorch (uniform, its default)"
+)
 
 
 @dataclass(frozen=True)
@@ -39,20 +58,29 @@ class A2C:
     """
 
     envs: int = setting(16, _ENVS, static=True)
-    rollout: int = setting(5, _ROLLOUT, static=True)
+    rollout: int = setting(5, f"{_ROLLOUT}; 0 (of a2c): a whole episode of each", static=True)
     learning_rate: float = setting(1e-3, _RATE)
+    learning_rate_end: float = setting(0.0, _RATE_END)
+    learning_rate_steps: int = setting(0, _RATE_STEPS)
+    learning_rate_decay: float = setting(1.0, _RATE_DECAY)
+    learning_rate_every: int = setting(0, _RATE_EVERY)
     optimizer: str = setting("adam", _OPTIMIZER, static=True)
     clip: float = setting(0.5, _CLIP)
     entropy: float = setting(0.02, _ENTROPY)
     entropy_end: float = setting(0.0, _ENTROPY_END)
     entropy_steps: int = setting(2_500_000, _ENTROPY_STEPS)
     entropy_hold: int = setting(2_500_000, _ENTROPY_HOLD)
+    schedule: str = setting("steps", _SCHEDULE, static=True)
     value: float = setting(0.5, _VALUE)
     discount: float = setting(0.99, _DISCOUNT)
     gae_lambda: float = setting(1.0, _LAMBDA)
     normalise: bool = setting(False, _NORMALISE, static=True)
+    unbiased: bool = setting(False, _UNBIASED, static=True)
     reward_scale: float = setting(0.1, _SCALE)
     hidden: tuple[int, ...] = setting((64, 64), _HIDDEN, static=True)
+    networks: str = setting("shared", _NETWORKS, static=True)
+    activation: str = setting("tanh", _ACTIVATION, static=True)
+    initialisation: str = setting("lecun", _INITIALISATION, static=True)
 
     def __post_init__(self) -> None:
         _check_network(self)
@@ -67,6 +95,10 @@ class PPO:
     epochs: int = setting(4, "passes over what a rollout gave", static=True)
     minibatches: int = setting(4, "parts of it, with a gradient step each", static=True)
     learning_rate: float = setting(1e-3, _RATE)
+    learning_rate_end: float = setting(0.0, _RATE_END)
+    learning_rate_steps: int = setting(0, _RATE_STEPS)
+    learning_rate_decay: float = setting(1.0, _RATE_DECAY)
+    learning_rate_every: int = setting(0, _RATE_EVERY)
     optimizer: str = setting("adam", _OPTIMIZER, static=True)
     clip: float = setting(0.5, _CLIP)
     clip_range: float = setting(0.2, "how far a probability's ratio to the old one may count")
@@ -74,16 +106,21 @@ class PPO:
     entropy_end: float = setting(0.0, _ENTROPY_END)
     entropy_steps: int = setting(0, _ENTROPY_STEPS)
     entropy_hold: int = setting(0, _ENTROPY_HOLD)
+    schedule: str = setting("steps", _SCHEDULE, static=True)
     value: float = setting(0.5, _VALUE)
     discount: float = setting(0.99, _DISCOUNT)
     gae_lambda: float = setting(0.95, _LAMBDA)
     normalise: bool = setting(False, _NORMALISE, static=True)
+    unbiased: bool = setting(False, _UNBIASED, static=True)
     reward_scale: float = setting(0.1, _SCALE)
     hidden: tuple[int, ...] = setting((64, 64), _HIDDEN, static=True)
+    networks: str = setting("shared", _NETWORKS, static=True)
+    activation: str = setting("tanh", _ACTIVATION, static=True)
+    initialisation: str = setting("lecun", _INITIALISATION, static=True)
 
     def __post_init__(self) -> None:
         _check_network(self)
-        at_least(self, epochs=1, minibatches=1)
+        at_least(self, rollout=1, epochs=1, minibatches=1)
         above_zero(self, "clip_range")
         if self.envs * self.rollout % self.minibatches:
             raise ValueError(
@@ -151,8 +188,15 @@ def name_of(algorithm: Algorithm) -> str:
 def _check_network(algorithm: A2C | PPO) -> None:
     object.__setattr__(algorithm, "hidden", widths(algorithm.hidden))
     check_types(algorithm)
-    at_least(algorithm, envs=1, rollout=1, entropy=0, entropy_end=0, value=0)
-    at_least(algorithm, entropy_steps=0, entropy_hold=0)
-    above_zero(algorithm, "learning_rate", "clip", "reward_scale")
+    at_least(algorithm, envs=1, rollout=0, clip=0, entropy=0, entropy_end=0, value=0)
+    at_least(algorithm, entropy_steps=0, entropy_hold=0, learning_rate_end=0)
+    at_least(algorithm, learning_rate_steps=0, learning_rate_every=0)
+    above_zero(algorithm, "learning_rate", "learning_rate_decay", "reward_scale")
     share(algorithm, "discount", "gae_lambda")
     one_of(algorithm, "optimizer", OPTIMIZERS)
+    one_of(algorithm, "schedule", SCHEDULES)
+    one_of(algorithm, "networks", NETWORKS)
+    one_of(algorithm, "activation", ACTIVATIONS)
+    one_of(algorithm, "initialisation", INITIALISATIONS)
+    if algorithm.unbiased and not algorithm.normalise:
+        raise ValueError("unbiased is True and normalise False; give normalise, or leave it out")

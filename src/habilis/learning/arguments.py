@@ -6,12 +6,18 @@ from typing import Any
 
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.config import Config
+from habilis.learning.presets import PRESETS, preset_fields
 
 _NOT_OPTIONS = ("world", "tool", "algorithm")  # the first two are arguments of many verbs
 
 
 def add_config_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds an option for each field of `Config` and of the algorithms."""
+    """Adds an option for each field of `Config` and of the algorithms, and the presets."""
+    parser.add_argument(
+        "--preset",
+        choices=tuple(PRESETS),
+        help="a published learner, whose settings take the place of the defaults below",
+    )
     for f in fields(Config):
         if f.name == "algorithm":
             parser.add_argument(
@@ -43,7 +49,8 @@ def config_from_args(args: argparse.Namespace) -> Config:
     """
     known = {f.name for kind in (Config, *ALGORITHMS.values()) for f in fields(kind)}
     given = {name: value for name, value in vars(args).items() if name in known}
-    return Config.from_dict(given)
+    named = {} if args.preset is None else preset_fields(args.preset)
+    return Config.from_dict(named | given)
 
 
 def _add(parser: Any, f: Field, defaults: str) -> None:

@@ -3,13 +3,15 @@
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from habilis.checks import as_in, at_least, check_types, setting, share
+from habilis.checks import as_in, at_least, check_types, one_of, setting, share
 from habilis.empowerment.bonus import Bonus
 from habilis.learning.algorithms import A2C, ALGORITHMS, Algorithm, name_of
 
 NO_INTRINSIC = "none"
 COUNT, DISTILLATION = "count", "rnd"
 NOVELTIES = (COUNT, DISTILLATION)
+ONE_HOT, COORDINATES = "one-hot", "coordinates"
+OBSERVATIONS = (ONE_HOT, COORDINATES)
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,16 @@ class Config:
         100_000_000, "environment steps after which a run is given up (looked at every 20,000)"
     )
     episode_limit: int = setting(500, "steps after which an episode is cut off (truncated)")
+    limit_is_terminal: bool = setting(
+        False,
+        "whether the agent learns as if an episode that is cut off had terminated (a bias: states "
+        "far from the goal seem to cost less than they do)",
+    )
+    observation: str = setting(
+        ONE_HOT,
+        'what networks are shown of a state: its factors, each "one-hot", or "coordinates" from '
+        "-1 to 1",
+    )
     slip: float = setting(
         0.0, "probability that an action drawn uniformly takes the place of the chosen one"
     )
@@ -84,6 +96,7 @@ class Config:
                 "episodes begin where the map has everything; give starts"
             )
         share(self, "slip")
+        one_of(self, "observation", OBSERVATIONS)
         _ = self.bonus  # which refuses what is out of its range
         if self.seed >= 2**32:
             raise ValueError(f"seed is {self.seed}; give one below {2**32}")

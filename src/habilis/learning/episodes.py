@@ -40,9 +40,14 @@ class Ledger:
         transition: Int[np.ndarray, "T E"],
         truncated: Bool[np.ndarray, "T E"],
     ) -> tuple[Float[np.ndarray, "n columns"], Float[np.ndarray, "E columns"]]:
-        """The sums of the episodes that ended, in the order of time, and the new running sums."""
-        ended = truncated | self.terminated[transition]
-        sums = np.cumsum(self.columns[transition], axis=0) + running
+        """The sums of the episodes that ended, in the order of time, and the new running sums.
+
+        A transition of -1 is a step that was not made.
+        """
+        made = transition >= 0
+        ended = made & (truncated | self.terminated[transition])
+        steps = np.where(made[..., None], self.columns[transition], 0.0)
+        sums = np.cumsum(steps, axis=0) + running
         before = np.zeros_like(running)
         rows, order = [], []
         for env in range(ended.shape[1]):

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
-from jaxtyping import Array, Float, Int, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.empowerment import empowerment
 from habilis.empowerment.bonus import regularised
@@ -95,20 +95,27 @@ def values(
     return table[states]
 
 
-def visited(kind: str, kept: Any, task: Task, states: Int[Array, "T E"]) -> Any:
-    """What is kept after these states were entered."""
+def visited(
+    kind: str,
+    kept: Any,
+    task: Task,
+    states: Int[Array, "T E"],
+    made: Bool[Array, "T E"] | None = None,
+) -> Any:
+    """What is kept after these states were entered, by the steps that were made."""
+    flat = None if made is None else made.reshape(-1)
     if kind == COUNT:
-        return kept.at[states.reshape(-1)].add(1.0)
+        return kept.at[states.reshape(-1)].add(1.0 if flat is None else flat.astype(kept.dtype))
     if kind == DISTILLATION:
         inputs = task.inputs[states.reshape(-1)]
 
         def loss(predictor: Network) -> tuple[Float[Array, ""], Float[Array, "n"]]:
             distance = _distance(predictor, kept.target, inputs)
-            return distance.mean(), distance
+            return distance.mean(where=flat), distance
 
         gradient, distance = jax.grad(loss, has_aux=True)(kept.predictor)
         change, optimizer = _optimizer().update(gradient, kept.optimizer)
-        scale = _MEMORY * kept.scale + (1 - _MEMORY) * jnp.square(distance).mean()
+        scale = _MEMORY * kept.scale + (1 - _MEMORY) * jnp.square(distance).mean(where=flat)
         predictor = jax.tree.map(jnp.add, kept.predictor, change)
         return Distillation(kept.target, predictor, optimizer, scale)
     return kept

@@ -91,7 +91,8 @@ class Job:
     def task(self) -> tuple[Task, int]:
         # What has a value for each state of its own would learn of those that are not there.
         networks = isinstance(self.config.algorithm, A2C | PPO)
-        return _task(self.world, self.conditions, networks and self.config.starts > 0)
+        with_room = networks and self.config.starts > 0
+        return _task(self.world, self.conditions, with_room, self.config.observation)
 
     @cached_property
     def program(self) -> Program:
@@ -144,9 +145,11 @@ def digest_of_own_tool(world: World) -> str | None:
 
 
 @lru_cache(KEPT)
-def _task(world: World, conditions: Conditions, with_room: bool) -> tuple[Task, int]:
+def _task(
+    world: World, conditions: Conditions, with_room: bool, observation: str
+) -> tuple[Task, int]:
     on = ground(world, conditions)
-    task, rows = make_task(on.mdp, on.seen if conditions.starts else None)
+    task, rows = make_task(on.mdp, on.seen if conditions.starts else None, observation)
     return roomy(task) if with_room else task, rows
 
 

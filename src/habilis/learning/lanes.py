@@ -13,7 +13,14 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray, UInt32
 from habilis.learning import a2c, intrinsic, ppo, q_learning, soft_values
 from habilis.learning.algorithms import ALGORITHMS, Algorithm, name_of
 from habilis.learning.config import Config
-from habilis.learning.rollout import Context, Experience, Numbers, Place, rollout
+from habilis.learning.rollout import (
+    Context,
+    Experience,
+    Numbers,
+    Place,
+    rollout,
+    whole_episodes,
+)
 from habilis.learning.task import Task
 
 _MODULES: dict[str, ModuleType] = {
@@ -32,14 +39,16 @@ class Program:
     Attributes:
         algorithm: its static settings; all others are at their defaults here.
         intrinsic: the kind of intrinsic reward, "table", "count" or "rnd".
-        rows: how many rows `Task.inputs` names.
+        rows: how many rows the first weights of a network have.
         updates: in one stretch of training.
+        steps_between: steps of each environment between two updates, at most.
     """
 
     algorithm: Algorithm
     intrinsic: str
     rows: int
     updates: int
+    steps_between: int
 
     @classmethod
     def of(cls, config: Config, rows: int, steps: int) -> "Program":
@@ -47,8 +56,10 @@ class Program:
         algorithm = config.algorithm
         default = type(algorithm)()
         free = {f.name: getattr(default, f.name) for f in _dynamic(algorithm)}
-        updates = max(1, steps // (algorithm.envs * algorithm.rollout))
-        return cls(replace(algorithm, **free), intrinsic.kind_of(config), rows, updates)
+        between = algorithm.rollout or config.episode_limit
+        updates = max(1, steps // (algorithm.envs * between))
+        fixed = replace(algorithm, **free)
+        return cls(fixed, intrinsic.kind_of(config), rows, updates, between)
 
     @property
     def module(self) -> ModuleType:
@@ -56,9 +67,15 @@ class Program:
         return _MODULES[name_of(self.algorithm)]
 
     @property
-    def steps(self) -> int:
-        """Environment steps of one lane in a stretch."""
-        return self.updates * self.algorithm.envs * self.algorithm.rollout
+    def whole_episodes(self) -> bool:
+        """Whether an update has one episode of each environment, however long."""
+        return self.algorithm.rollout == 0
+
+    @property
+    def counts(self) -> bool:
+        """Whether what was done has to be counted, since updates do not tell."""
+        by_episodes = getattr(self.algorithm, "schedule", "steps") == "episodes"
+        return self.whole_episodes or by_episodes
 
 
 class Settings(NamedTuple):
@@ -67,6 +84,13 @@ class Settings(NamedTuple):
     table: Float[Array, "S"]
     """M, the intrinsic value of every state, where it is a table."""
     numbers: Numbers
+
+
+class Count(NamedTuple):
+    """What a lane has done so far."""
+
+    steps: Int[Array, ""]
+    episodes: Int[Array, ""]
 
 
 class Lane(NamedTuple):
@@ -80,12 +104,15 @@ class Lane(NamedTuple):
     key: UInt32[Array, "2"]
     """The data of the key from which all its random numbers come."""
     updates: Int[Array, ""]
+    done: Count | tuple[()] = ()
+    """What it did, where a program counts it."""
 
 
 class Log(NamedTuple):
     """What a stretch of training tells."""
 
     transition: Int[Array, "updates T E"]
+    """-1 where no step was made."""
     truncated: Bool[Array, "updates T E"]
     loss: Float[Array, "updates"]
 
@@ -94,7 +121,10 @@ def settings_of(config: Config, table: Float[np.ndarray, "S"]) -> Settings:
     """A configuration's numbers as the compiled loop wants them."""
     algorithm = config.algorithm
     numbers = {f.name: getattr(algorithm, f.name) for f in _dynamic(algorithm)}
-    numbers |= intrinsic.weights(config) | {"episode_limit": config.episode_limit}
+    numbers |= intrinsic.weights(config) | {
+        "episode_limit": config.episode_limit,
+        "limit_is_terminal": config.limit_is_terminal,
+    }
     arrays: Any = {name: np.float32(number) for name, number in numbers.items()}
     values: Any = table.astype(np.float32)
     return Settings(values, arrays)
@@ -116,6 +146,7 @@ def start_lanes(task: Task, program: Program, keys: PRNGKeyArray) -> Lane:
             place=Place(begin, jnp.zeros(envs, jnp.int32)),
             key=jax.random.key_data(for_acting),
             updates=jnp.int32(0),
+            done=Count(jnp.int32(0), jnp.int32(0)) if program.counts else (),
         )
 
     return jax.vmap(one_lane)(keys)
@@ -138,7 +169,7 @@ def advance(task: Task, settings: Settings, lanes: Lane, program: Program) -> tu
     def one_lane(settings: Settings, lane: Lane) -> tuple[Lane, Log]:
         # All random numbers of a stretch at once: drawn one by one they cost as much as acting.
         stretch = jax.random.fold_in(jax.random.wrap_key_data(lane.key), lane.updates)
-        shape = (program.updates, algorithm.rollout, algorithm.envs)
+        shape = (program.updates, program.steps_between, algorithm.envs)
         draws = jax.random.uniform(stretch, shape)
         several = task.start.ndim > 0
         picks = jax.random.uniform(jax.random.fold_in(stretch, 1), shape) if several else None
@@ -162,6 +193,9 @@ def _update(
     """One rollout, and what is learned from it."""
     draws, picks, chances = drawn
     taken = lane.updates.astype(jnp.float32) * draws.size
+    episodes: Any = 0.0
+    if isinstance(lane.done, Count):
+        taken, episodes = (number.astype(jnp.float32) for number in lane.done)
 
     def value(states: Int[Array, "*n"]) -> Float[Array, "*n"]:
         return intrinsic.values(program.intrinsic, lane.novelty, settings.table, task, states)
@@ -183,9 +217,10 @@ def _update(
         taken=taken,
         key=jax.random.fold_in(jax.random.wrap_key_data(lane.key), -1 - lane.updates),
         worth=worth,
+        episodes=episodes,
     )
     module = program.module
-    place, passed = rollout(
+    place, passed = (whole_episodes if program.whole_episodes else rollout)(
         task,
         partial(module.act, context, lane.learner),
         lane.place,
@@ -194,20 +229,31 @@ def _update(
         picks,
         chances,
     )
+    terminated = task.terminated(passed.transition)
+    cut_off = passed.truncated
+    terminal = cut_off & (settings.numbers["limit_is_terminal"] > 0)
     experience = Experience(
         state=passed.state,
         action=task.action_of(passed.transition),
         reached=task.next_state[passed.transition],
         reward=worth(passed.transition),
-        terminated=task.terminated(passed.transition),
-        truncated=passed.truncated,
+        terminated=terminated | terminal,
+        truncated=cut_off & ~terminal,
         kept=passed.kept,
         now=place.state,
+        made=passed.made,
     )
     learner, loss = module.learn(context, lane.learner, experience)
-    novelty = intrinsic.visited(program.intrinsic, lane.novelty, task, experience.reached)
-    after = Lane(learner, novelty, place, lane.key, lane.updates + 1)
-    return after, Log(passed.transition, passed.truncated, loss)
+    novelty = intrinsic.visited(
+        program.intrinsic, lane.novelty, task, experience.reached, experience.made
+    )
+    done = lane.done
+    if isinstance(done, Count):
+        made = passed.transition >= 0
+        ended = made & (terminated | cut_off)
+        done = Count(done.steps + made.sum(), done.episodes + ended.sum())
+    after = Lane(learner, novelty, place, lane.key, lane.updates + 1, done)
+    return after, Log(passed.transition, cut_off, loss)
 
 
 def _dynamic(algorithm: Algorithm):

@@ -34,7 +34,7 @@ def learn(
     def step(learner: Learner, chosen: Int[Array, "n"]) -> tuple[Learner, Float[Array, ""]]:
         inputs, action, old, advantage, target, there = jax.tree.map(lambda x: x[chosen], flat)
         if algorithm.normalise:
-            advantage = actor_critic.normalised(advantage)
+            advantage = actor_critic.normalised(advantage, algorithm.unbiased)
 
         def loss(network):
             return clipped_loss(

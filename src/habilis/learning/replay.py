@@ -84,7 +84,7 @@ def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
         index: which of its runs.
     """
     parameters = jax.tree.map(lambda leaf: leaf[index], run.parameters)
-    task, rows = make_task(mdp)
+    task, rows = make_task(mdp, observation=run.config.observation)
     module = Program.of(run.config, rows, 1).module
     return np.asarray(module.preferences(task, parameters).argmax(axis=-1))
 
@@ -104,7 +104,7 @@ def learned(run: Run, mdp: TabularMDP, index: int) -> tuple[np.ndarray, np.ndarr
     """
     algorithm = run.config.algorithm
     parameters = jax.tree.map(lambda leaf: leaf[index], run.parameters)
-    task, rows = make_task(mdp)
+    task, rows = make_task(mdp, observation=run.config.observation)
     wanted = Program.of(run.config, rows, 1).module.preferences(task, parameters)
     if isinstance(algorithm, A2C | PPO):
         policy, values = jax.nn.softmax(wanted), parameters(task.inputs)[:, -1]

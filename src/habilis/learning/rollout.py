@@ -30,6 +30,8 @@ class Context:
     key: PRNGKeyArray
     worth: Callable[[Int[Array, "*n"]], Float[Array, "*n"]]
     """The reward to learn from, intrinsic and extrinsic, of any transitions."""
+    episodes: Any = 0.0
+    """Episodes that have ended so far, where something is scheduled by them."""
 
 
 class Place(NamedTuple):
@@ -47,6 +49,8 @@ class Passed(NamedTuple):
     truncated: Bool[Array, "T E"]
     kept: Any
     """What the policy wants to remember of each decision."""
+    made: Bool[Array, "T E"] | None = None
+    """Which of the steps were made; `None`: all."""
 
 
 class Experience(NamedTuple):
@@ -61,6 +65,8 @@ class Experience(NamedTuple):
     kept: Any
     now: Int[Array, "E"]
     """Where the environments are after it."""
+    made: Bool[Array, "T E"] | None = None
+    """Which of the steps were made; `None`: all."""
 
 
 Act = Callable[[Int[Array, "E"], Float[Array, "E"]], tuple[Int[Array, "E"], Any]]
@@ -95,6 +101,63 @@ def rollout(
 
     # A few steps a turn of the compiled loop: its turns cost as much as the small operations in it.
     return jax.lax.scan(step, place, (draws, picks, chances), unroll=min(_TOGETHER, len(draws)))
+
+
+def whole_episodes(
+    task: Task,
+    act: Act,
+    place: Place,
+    episode_limit: Float[Array, ""],
+    draws: Float[Array, "T E"],
+    picks: Float[Array, "T E"] | None = None,
+    chances: Float[Array, "T E"] | None = None,
+) -> tuple[Place, Passed]:
+    """One episode of each of E environments, of up to T steps; see `rollout`.
+
+    An environment whose episode has ended waits for the others where it begins its next one: its
+    further steps are not made, and their transitions are -1.
+    """
+    steps, envs = draws.shape
+
+    def at(t: Int[Array, ""], drawn: Any) -> Any:
+        return None if drawn is None else drawn[t]
+
+    def step(t: Int[Array, ""], place: Place) -> tuple[Place, Passed, Bool[Array, "E"]]:
+        action, kept = act(place.state, draws[t])
+        transition = task.transition(place.state, action, at(t, chances))
+        reached = task.goes_on[transition]
+        taken = place.steps + 1
+        truncated = (reached >= 0) & (taken >= episode_limit)
+        ended = (reached < 0) | truncated
+        begins = jnp.broadcast_to(task.begin(at(t, picks)), (envs,))
+        after = Place(jnp.where(ended, begins, reached), jnp.where(ended, 0, taken))
+        return after, Passed(place.state, transition, truncated, kept), ended
+
+    def more(carry: tuple) -> Bool[Array, ""]:
+        t, _, _, acting = carry
+        return (t < steps) & acting.any()
+
+    def one(carry: tuple) -> tuple:
+        t, place, passed, acting = carry
+        after, now, ended = step(t, place)
+        place = jax.tree.map(lambda new, old: jnp.where(acting, new, old), after, place)
+        now = now._replace(
+            transition=jnp.where(acting, now.transition, -1),
+            truncated=now.truncated & acting,
+            made=acting,
+        )
+        passed = jax.tree.map(lambda all_of, part: all_of.at[t].set(part), passed, now)
+        return t + 1, place, passed, acting & ~ended
+
+    like = jax.eval_shape(lambda: step(jnp.int32(0), place)[1])
+    empty = jax.tree.map(lambda part: jnp.zeros((steps, *part.shape), part.dtype), like)
+    empty = empty._replace(
+        transition=jnp.full((steps, envs), -1, like.transition.dtype),
+        made=jnp.zeros((steps, envs), bool),
+    )
+    begun = jnp.int32(0), place, empty, jnp.ones(envs, bool)
+    _, place, passed, _ = jax.lax.while_loop(more, one, begun)
+    return place, passed
 
 
 def masked(

@@ -163,10 +163,11 @@ class Record:
             transition, truncated: what the environments did.
             loss: its mean.
         """
-        self.last = Stretch(loss, transition.reshape(-1)[-RECENT:].copy())
+        made = transition[transition >= 0]
+        self.last = Stretch(loss, made[-RECENT:])
         ended, self.running = self.ledger.entries(self.running, transition, truncated)
         self._parts.append(ended.astype(np.float32))
-        self.steps += transition.size
+        self.steps += made.size
         self._end_if_over()
 
     def _end_if_over(self) -> None:

@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Float32, Int, Int32
 
+from habilis.learning.config import ONE_HOT
 from habilis.mdp import TabularMDP
 from habilis.worlds.chance import Chance
 
@@ -27,8 +28,8 @@ class Task(NamedTuple):
     reward: Float[Array, "S*A*K"]
     below: Float[Array, "S*A K-1"]
     """Where in [0, 1) each outcome's share ends and the next begins."""
-    inputs: Int[Array, "S factors"]
-    """The rows of the network's embedding that stand for a state."""
+    inputs: Int[Array, "S factors"] | Float[Array, "S coordinates"]
+    """What a network is shown of a state: rows of its first weights, or coordinates."""
     start: Int[Array, "*starts"]
     """Where episodes begin: one state, or any of several."""
     available: Bool[Array, "S A"] | None = None
@@ -85,13 +86,18 @@ class Task(NamedTuple):
         return self.goes_on[transition] < 0
 
 
-def make_task(mdp: TabularMDP, starts: Int[np.ndarray, "starts"] | None = None) -> tuple[Task, int]:
-    """The table as arrays on the device, and how many rows its inputs name.
+def make_task(
+    mdp: TabularMDP,
+    starts: Int[np.ndarray, "starts"] | None = None,
+    observation: str = ONE_HOT,
+) -> tuple[Task, int]:
+    """The table as arrays on the device, and how many rows the network's first weights have.
 
     Episodes begin in any of `starts`, or in the table's own.
 
-    A state is shown to the network by its factors; without factors, by its index. Episodes end
-    where nothing can be done, as in terminal states.
+    A state is shown to the network by its factors, each one-hot, or by its coordinates, as in
+    `coordinates`; without factors, by its index. Episodes end where nothing can be done, as in
+    terminal states.
 
     Raises:
         ValueError: they begin in such a state.
@@ -101,12 +107,7 @@ def make_task(mdp: TabularMDP, starts: Int[np.ndarray, "starts"] | None = None) 
     stuck = stuck[ends[stuck] & ~mdp.terminal[stuck]]
     if len(stuck):
         raise ValueError(f"no action is available in state {stuck[0]}; give another start")
-    factors = list(mdp.factors.values()) or [np.arange(mdp.states)]
-    inputs, rows = [], 0
-    for labels in factors:
-        values, compact = np.unique(labels, return_inverse=True)
-        inputs.append(compact + rows)
-        rows += len(values)
+    inputs, rows = one_hot(mdp) if observation == ONE_HOT else coordinates(mdp)
     chance = Chance.in_any(mdp)
     reached = chance.next_state.reshape(-1)
     task = Task(
@@ -114,13 +115,45 @@ def make_task(mdp: TabularMDP, starts: Int[np.ndarray, "starts"] | None = None) 
         goes_on=jnp.asarray(np.where(ends[reached], -1, reached), jnp.int32),
         reward=jnp.asarray(chance.reward.reshape(-1), jnp.float32),
         below=jnp.asarray(chance.below, jnp.float32),
-        inputs=jnp.asarray(np.stack(inputs, axis=1), jnp.int32),
+        inputs=jnp.asarray(inputs),
         start=jnp.int32(mdp.start) if starts is None else jnp.asarray(starts, jnp.int32),
         available=None
         if mdp.always_available
         else jnp.asarray(mdp.available | ~mdp.available.any(axis=1, keepdims=True)),
     )
     return task, rows
+
+
+def one_hot(mdp: TabularMDP) -> tuple[Int32[np.ndarray, "S factors"], int]:
+    """For each factor of each state the row of its value, and how many rows there are."""
+    factors = list(mdp.factors.values()) or [np.arange(mdp.states)]
+    inputs, rows = [], 0
+    for labels in factors:
+        values, compact = np.unique(labels, return_inverse=True)
+        inputs.append(compact + rows)
+        rows += len(values)
+    return np.stack(inputs, axis=1).astype(np.int32), rows
+
+
+def coordinates(mdp: TabularMDP) -> tuple[Float32[np.ndarray, "S coordinates"], int]:
+    """What a plain network would see: numbers from -1 to 1, and how many of them a state has.
+
+    Row and column of each cell, from -1 at the map's upper left to 1 at its lower right; other
+    factors by their labels, scaled to the range that these have.
+    """
+    columns = []
+    for name, labels in (mdp.factors or {"": np.arange(mdp.states)}).items():
+        if mdp.shape is not None and mdp.is_cell(name):
+            nowhere = labels < 0
+            for place, side in zip(np.divmod(labels, mdp.shape[1]), mdp.shape, strict=True):
+                columns.append(np.where(nowhere, 0.0, _scaled(place, 0, side - 1)))
+        else:
+            columns.append(_scaled(labels, labels.min(), labels.max()))
+    return np.stack(columns, axis=1).astype(np.float32), len(columns)
+
+
+def _scaled(values: Int[np.ndarray, "S"], least: int, most: int) -> Float[np.ndarray, "S"]:
+    return (2.0 * values - least - most) / max(most - least, 1)
 
 
 def roomy(task: Task) -> Task:
