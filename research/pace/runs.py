@@ -1,0 +1,172 @@
+"""Trains the agents of the calibration; what they did goes into a file of comma-separated values.
+
+    python research/pace/runs.py screen --out screen.csv                 # everything: many hours
+    python research/pace/runs.py screen --parts 0 --out screen-0.csv     # one structure
+    python research/pace/runs.py confirm --settings 3,14 --out confirm.csv
+
+A file is added to, and what it has is not trained again. No agent here has a bonus. What is not in
+the budget of `--seconds` is left for another time.
+"""
+
+import argparse
+import csv
+import time
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from design import Setting, parts, settings
+
+from habilis.files import write_whole
+from habilis.learning.batches import train_jobs
+from habilis.learning.config import Config
+from habilis.learning.jobs import Job
+from habilis.studies.published import EXPERIMENTS
+
+SCREEN: Setting = {"runs": 5, "seed": 31_001, "episodes": 1_000_000, "steps": 15_000_000}
+CONFIRM: Setting = {"runs": 10, "seed": 32_001, "episodes": 1_000_000, "steps": 15_000_000}
+GOES_ON = 3
+"""Of five runs, how many must converge in a row before the setting's next row is trained: the rank is
+that of the worst row."""
+MAPS = Path(__file__).parents[2] / "src/habilis/studies/data/maps"
+
+CORRIDOR, YARD = (experiment.world for experiment in EXPERIMENTS)
+ROWS = ((CORRIDOR, "picker"), (YARD, "broom"), (YARD, "picker"))
+"""World and tool of the vanilla rows, those in which agents most often fail first."""
+
+Line = dict[str, Any]
+Done = dict[tuple[int, str, str], Line]
+
+
+def main() -> None:
+    args = _arguments()
+    began = time.perf_counter()
+
+    def stopped() -> bool:
+        return time.perf_counter() - began > args.seconds
+
+    chosen = [n for part in args.parts for n in parts()[part]] if args.parts else args.settings
+    groups = [chosen[i : i + args.together] for i in range(0, len(chosen), args.together)]
+    if args.stage == "screen":
+        for group in groups:
+            screen(group, args.out, stopped)
+    else:
+        for world, tool in [*ROWS, *other_maps()]:
+            for group in groups:
+                trained(group, world, tool, CONFIRM, args.out, stopped)
+
+
+def screen(numbers: Sequence[int], out: Path, stopped: Any) -> None:
+    """Each vanilla row in turn, of those settings that did not fail in the one before."""
+    left = list(numbers)
+    for world, tool in ROWS:
+        done = trained(left, world, tool, SCREEN, out, stopped)
+        left = [n for n in left if _converged(done.get((n, world, tool))) >= GOES_ON]
+
+
+def trained(
+    numbers: Iterable[int], world: str, tool: str, budget: Setting, out: Path, stopped: Any
+) -> Done:
+    """The lines of a file after what is missing in it was trained, as far as time allows."""
+    done = read(out)
+    todo = [n for n in numbers if (n, world, tool) not in done]
+    if not todo or stopped():
+        return done
+    path = MAPS / f"{world}.txt"
+    place = str(path) if path.exists() else world
+    every = settings()
+    jobs = [
+        Job.of(i, Config.from_dict(every[n] | budget | {"world": place, "tool": tool}))
+        for i, n in enumerate(todo)
+    ]
+    began = time.perf_counter()
+    train_jobs(jobs, stopped=stopped)
+    for number, job in zip(todo, jobs, strict=True):
+        if all(record.ended for record in job.records):
+            done[number, world, tool] = _line(number, world, tool, every[number], job)
+    _write(out, done)
+    steps = sum(record.steps for job in jobs for record in job.records)
+    seconds = time.perf_counter() - began
+    print(f"{world} {tool} {todo}: {steps / 1e6:.0f} M steps, {seconds:.0f} s", flush=True)
+    return done
+
+
+def other_maps() -> list[tuple[str, str]]:
+    """Every other map, with the tools of the vanilla rows."""
+    names = sorted(path.stem for path in MAPS.glob("*.txt"))
+    tools = {"corridor": ("picker",), "yard": ("picker", "broom")}
+    return [(name, tool) for name in names for tool in tools[name.partition("-")[0]]]
+
+
+def read(path: Path) -> Done:
+    """The lines of a file by setting, map and tool; none where there is no file."""
+    if not path.exists():
+        return {}
+    with path.open(newline="") as file:
+        return {(int(r["setting"]), r["map"], r["tool"]): r for r in csv.DictReader(file)}
+
+
+def _write(path: Path, done: Done) -> None:
+    lines = [done[key] for key in sorted(done)]
+    if not lines:
+        return
+    names = list(dict.fromkeys(name for line in lines for name in line))
+    text = [names] + [[str(line.get(name, "")) for name in names] for line in lines]
+    rows = "".join(",".join(row) + "\n" for row in text)
+    write_whole(path, lambda file: file.write(rows.encode()))
+
+
+def _line(number: int, world: str, tool: str, setting: Setting, job: Job) -> Line:
+    records = job.records
+    fields = Config.from_dict(setting).as_dict()
+    names = sorted(name for name in fields if name in setting)
+    shown = {n: "-".join(map(str, v)) if isinstance(v := fields[n], tuple) else v for n in names}
+    at = [record.converged_at for record in records]
+    first = [first_success(r.episodes()[:, 1], job.best_return) for r in records]
+    return {
+        "setting": number,
+        **shown,
+        "map": world,
+        "tool": tool,
+        "runs": len(records),
+        "converged": sum(n is not None for n in at),
+        "episodes": _words(at),
+        "first_success": _words(first),
+        "had": _words([record.count for record in records]),
+        "steps": _words([record.steps for record in records]),
+    }
+
+
+def first_success(returns: np.ndarray, best: float, block: int = 100) -> int | None:
+    """After how many episodes the mean return of a hundred is first twice the best one's cost."""
+    means = returns[: len(returns) // block * block].reshape(-1, block).mean(axis=1)
+    there = np.flatnonzero(means >= 2 * best)
+    return int(block * (there[0] + 1)) if len(there) else None
+
+
+def _converged(line: Line | None) -> int:
+    return 0 if line is None else int(line["converged"])
+
+
+def _words(numbers: Iterable[int | None]) -> str:
+    return " ".join("-" if n is None else str(n) for n in numbers)
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("stage", choices=("screen", "confirm"))
+    parser.add_argument("--parts", type=_numbers, default=[], help="structures, by number")
+    parser.add_argument("--settings", type=_numbers, default=list(range(len(settings()))))
+    parser.add_argument("--together", type=int, default=6, help="settings trained side by side")
+    parser.add_argument("--seconds", type=float, default=float("inf"))
+    parser.add_argument("--out", type=Path, required=True)
+    return parser.parse_args()
+
+
+def _numbers(text: str) -> list[int]:
+    return [int(part) for part in text.split(",")]
+
+
+if __name__ == "__main__":
+    main()
