@@ -138,7 +138,8 @@ def _enter(seats: list[Seat], lanes: list[Lane], log: Log) -> None:
         _check_finite(job, run, np.asarray(log.loss[place]), (lane.learner, lane.novelty))
         did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
         transition, truncated = (part.reshape(-1, envs) for part in did)
-        record.add(transition, truncated, float(log.loss[place].mean(dtype=np.float64)))
+        loss = float(log.loss[place].mean(dtype=np.float64))
+        record.add(record.gain(transition, truncated, loss))
         job.lanes[run] = lane
 
 
