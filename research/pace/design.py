@@ -52,7 +52,9 @@ def settings() -> list[Setting]:
     found = []
     for number, structure in enumerate(structures()):
         random = np.random.default_rng([SEED, 1, number])
-        found += [structure | _numbers(structure, random) for _ in range(DRAWN if number > 1 else COMMON)]
+        found += [
+            structure | _numbers(structure, random) for _ in range(DRAWN if number > 1 else COMMON)
+        ]
     found += [dict(fields) for fields in PRESETS.values()]
     for setting in found:
         Config.from_dict(setting)  # which refuses what is none

@@ -170,6 +170,11 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--resume", action="store_true", help="go on where --out DIR was interrupted")
     seconds = "time between checkpoints (default 10)"
     v.add_argument("--checkpoint-seconds", type=float, default=10.0, metavar="S", help=seconds)
+    lanes = (
+        "runs in one compiled batch; another number is another rounding, so another run (default 5 "
+        "on a CPU; on a GPU as many as wait, 512 at most)"
+    )
+    v.add_argument("--lanes", type=int, metavar="N", help=lanes)
     v.set_defaults(writes={"out": FOLDER})
 
     v = verb(

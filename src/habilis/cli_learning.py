@@ -31,6 +31,7 @@ def train(args: Args) -> int:
                 out=args.out,
                 resume=args.resume,
                 checkpoint_seconds=args.checkpoint_seconds,
+                lanes=args.lanes,
             )
     except KeyboardInterrupt as stop:
         command = shlex.join(["habilis", *args.command] + ["--resume"] * (not args.resume))

@@ -1,8 +1,11 @@
-"""Many runs on few processors: batches of lanes, refilled as runs end."""
+"""Many runs on few processors, or on a GPU: batches of lanes, refilled as runs end."""
 
+import heapq
+import itertools
 import time
-from collections.abc import Callable, Iterable
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from numbers import Integral
 from typing import Any, NamedTuple
 
 import jax
@@ -10,20 +13,20 @@ import numpy as np
 
 from habilis.learning.compilation import keep_compiled
 from habilis.learning.jobs import Job
-from habilis.learning.lanes import Lane, Log, advance
-from habilis.learning.runs import Progress, progress
+from habilis.learning.lanes import Log, advance
+from habilis.learning.runs import Gain, Progress, progress
+from habilis.learning.stacks import InStack, Seat, Stack, finite, side_by_side
 from habilis.processors import processors
 
 LANES = 5
-"""Runs in one compiled batch. Always the same number, since XLA's rounding depends on it: only
-so is a run the same whatever trains beside it. More lanes are no faster on a CPU."""
+"""Runs in one compiled batch on a CPU. Always the same number, since XLA's rounding depends on it:
+only so is a run the same whatever trains beside it. More lanes are no faster on a CPU."""
 
+MOST_LANES = 512
+"""Runs in one batch on another device, at most, unless another number is asked for."""
 
-class Seat(NamedTuple):
-    """A run, by its job and its number there."""
-
-    job: Job
-    run: int
+_IN_FLIGHT = 2
+"""Batches of one device that is no CPU: while one computes, the other is entered into the books."""
 
 
 class NotFiniteError(FloatingPointError):
@@ -35,9 +38,28 @@ class NotFiniteError(FloatingPointError):
 
 
 def workers() -> int:
-    """How many batches advance at once: one for each processor, or device."""
+    """How many batches advance at once: one for each processor, or two for each other device."""
     devices = jax.devices()
-    return max(processors() if devices[0].platform == "cpu" else 1, len(devices))
+    if devices[0].platform == "cpu":
+        return max(processors(), len(devices))
+    return _IN_FLIGHT * len(devices)
+
+
+def room(lanes: int | None = None) -> int:
+    """How many runs are worth having at once: twice what advances at once."""
+    on_cpu = jax.devices()[0].platform == "cpu"
+    return 2 * (lanes or (LANES if on_cpu else MOST_LANES)) * workers()
+
+
+def check_lanes(lanes: int | None) -> None:
+    """Refuses what is no width of a batch.
+
+    Raises:
+        ValueError: it is no whole number from 1 to 65,536.
+    """
+    whole = isinstance(lanes, Integral) and not isinstance(lanes, bool)
+    if lanes is not None and not (whole and 1 <= lanes <= 2**16):
+        raise ValueError(f"lanes is {lanes!r}; give a whole number from 1 to 65,536, or None")
 
 
 def train_jobs(
@@ -46,12 +68,16 @@ def train_jobs(
     on_stretch: Callable[[], None] | None = None,
     stopped: Callable[[], object] = lambda: False,
     at_once: float = float("inf"),
+    *,
+    lanes: int | None = None,
+    stop_job: Callable[[Job], bool] = lambda job: False,
 ) -> None:
     """Trains all runs of all jobs to their end; what they do goes into the jobs.
 
-    The runs that have come least far advance by a stretch, five at a time, on a thread for each
-    processor or device. All bookkeeping is done here, between stretches: whenever `on_stretch` is
-    called, the jobs hold a state that training can go on from.
+    The runs that have come least far advance by a stretch, side by side in a batch, on a thread for
+    each processor, or two for each other device. There the episodes are summed up, too; the jobs
+    are changed here only, between stretches: whenever `on_stretch` is called, they hold a state
+    that training can go on from.
 
     Args:
         jobs: made ready, or restored; taken one by one, as there is room.
@@ -59,105 +85,171 @@ def train_jobs(
         on_stretch: called after every stretch.
         stopped: asked after every stretch whether to leave it at that.
         at_once: how many runs there is room for.
+        lanes: how many runs wide every batch is, filled up with repetitions. By default five on a
+            CPU; on another device the smallest power of two that holds the runs that wait, 512 at
+            most, and five if no more than five wait.
+        stop_job: asked after every stretch, for each job in it with runs that go on, whether to
+            give these up: they end as they are, not converged.
 
     Raises:
         NotFiniteError: a loss or a parameter was not finite. The jobs can go on without that run.
+        ValueError: `lanes` is no number of lanes.
     """
+    check_lanes(lanes)
     keep_compiled()
-    source, waiting = iter(jobs), list[Seat]()
+    source, waiting = iter(jobs), _Waiting()
     devices = jax.devices()
     idle = [devices[i % len(devices)] for i in range(workers())]
-    working: dict[Future[tuple[list[Lane], Log]], tuple[list[Seat], Any]] = {}
+    working: dict[Future[_Advanced], tuple[list[Seat], Any]] = {}
 
     def let_in() -> None:
-        while len(waiting) + sum(len(seats) for seats, _ in working.values()) < at_once:
+        there = len(waiting) + sum(len(seats) for seats, _ in working.values())
+        while there < at_once:
             job = next(source, None)
             if job is None:
                 return
             for run, record in enumerate(job.records):
-                if run not in job.lanes:
-                    job.lanes[run] = job.start(run)
                 if not record.ended:
-                    waiting.append(Seat(job, run))
+                    waiting.add(Seat(job, run))
+                    there += 1
 
     let_in()
-    with ThreadPoolExecutor(len(idle)) as pool:
-        while working or (waiting and not stopped()):
-            while waiting and idle and not stopped():
-                seats = _next_batch(waiting)
+    with ThreadPoolExecutor(processors()) as helpers, ThreadPoolExecutor(len(idle)) as pool:
+        while working or (len(waiting) and not stopped()):
+            while len(waiting) and idle and not stopped():
                 device = idle.pop()
+                seats, width = waiting.take(lanes, device)
                 for job, run in seats:
                     job.records[run].began = job.records[run].began or time.perf_counter()
-                working[pool.submit(_advance, seats, device)] = seats, device
+                working[pool.submit(_advance, seats, width, device, helpers)] = seats, device
             for future in wait(working, return_when=FIRST_COMPLETED).done:
                 seats, device = working.pop(future)
                 idle.append(device)
-                _enter(seats, *future.result())
-                waiting += [seat for seat in seats if not seat.job.records[seat.run].ended]
+                changed = _enter(seats, future.result())
+                for job in changed:
+                    if not all(record.ended for record in job.records) and stop_job(job):
+                        for record in job.records:
+                            record.give_up()
+                        waiting.drop(job)
+                for seat in seats:
+                    if not seat.job.records[seat.run].ended:
+                        waiting.add(seat)
                 if on_progress is not None:
-                    for job in {seat.job.index: seat.job for seat in seats}.values():
+                    for job in changed:
                         on_progress(progress(job.index, job.records))
-                if on_stretch is not None:
+                if on_stretch is not None and changed:
                     on_stretch()
             if not stopped():
                 let_in()
 
 
-def _next_batch(waiting: list[Seat]) -> list[Seat]:
-    """Takes those that have come least far, all of one program and world."""
-    waiting.sort(key=lambda seat: (seat.job.records[seat.run].steps, seat.job.index, seat.run))
+class _Waiting:
+    """Runs that wait, those that have come least far first, by what a batch must share."""
 
-    def kind(job: Job) -> tuple:
-        return job.world, job.conditions, job.program
+    def __init__(self) -> None:
+        self._heaps: dict[tuple, list[tuple[int, int, int, int, Seat]]] = {}
+        self._turns = itertools.count()
 
-    same = [seat for seat in waiting if kind(seat.job) == kind(waiting[0].job)]
-    batch = same[:LANES]
-    for seat in batch:
-        waiting.remove(seat)
-    return batch
+    def __len__(self) -> int:
+        return sum(map(len, self._heaps.values()))
+
+    def add(self, seat: Seat) -> None:
+        job, run = seat
+        place = job.records[run].steps, job.index, run, next(self._turns), seat
+        heapq.heappush(self._heaps.setdefault(job.kind, []), place)
+
+    def take(self, lanes: int | None, device: Any) -> tuple[list[Seat], int]:
+        """Takes those that have come least far, all of one kind, and how wide their batch is."""
+        kind, heap = min(self._heaps.items(), key=lambda item: item[1][0])
+        width = _width(len(heap), device) if lanes is None else int(lanes)
+        seats = [heapq.heappop(heap)[-1] for _ in range(min(width, len(heap)))]
+        if not heap:
+            del self._heaps[kind]
+        return seats, width
+
+    def drop(self, job: Job) -> None:
+        """Takes out all runs of a job."""
+        left = [place for place in self._heaps.pop(job.kind, []) if place[-1].job is not job]
+        if left:
+            heapq.heapify(left)
+            self._heaps[job.kind] = left
 
 
-def _advance(seats: list[Seat], device: Any) -> tuple[list[Lane], Log]:
-    """A stretch of training of at most five runs."""
-    full = (seats * LANES)[:LANES]  # a batch that is not full repeats its runs, unseen
+def _width(wait: int, device: Any) -> int:
+    """How wide a batch of so many runs is, if nobody has said so."""
+    if device.platform == "cpu" or wait <= LANES:
+        return LANES
+    return min(MOST_LANES, 1 << (wait - 1).bit_length())
+
+
+class _Advanced(NamedTuple):
+    """What a stretch gave: for each run of a batch its place in the stack, and its gain."""
+
+    stack: Stack
+    places: list[int]
+    gains: list[Gain | NotFiniteError]
+
+
+def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _Advanced:
+    """A stretch of training, and what it adds to the records. Changes no record."""
     job = seats[0].job
-    settings, lanes = (
-        jax.tree.map(lambda *leaves: np.stack(leaves), *parts)
-        for parts in ([s.job.settings for s in full], [s.job.lanes[s.run] for s in full])
-    )
-    task, settings, lanes = jax.device_put((job.task[0], settings, lanes), device)
-    lanes, log = jax.tree.map(np.asarray, advance(task, settings, lanes, job.program))
-    return [jax.tree.map(lambda leaf, i=i: leaf[i], lanes) for i in range(len(seats))], log
+    before, places = side_by_side(seats, width, device)
+    task = jax.device_put(job.task[0], device)
+    lanes, log = advance(task, before.settings, before.lanes, job.program)
+    stack = Stack(device, before.settings, lanes)
+    sound = finite(stack)
+    log = jax.tree.map(np.asarray, log)
+
+    def gains(part: Sequence[int]) -> list[Gain | NotFiniteError]:
+        return [_gain(*seats[i], log, places[i], bool(sound[places[i]])) for i in part]
+
+    # A few runs at a time: handing over each of them would cost as much as its sums.
+    parts = np.array_split(range(len(seats)), min(-(-len(seats) // LANES), processors()))
+    return _Advanced(stack, places, [gain for some in helpers.map(gains, parts) for gain in some])
 
 
-def _enter(seats: list[Seat], lanes: list[Lane], log: Log) -> None:
-    """Takes in what a stretch gave."""
-    for place, ((job, run), lane) in enumerate(zip(seats, lanes, strict=True)):
-        record = job.records[run]
-        envs = log.transition.shape[-1]
-        _check_finite(job, run, np.asarray(log.loss[place]), (lane.learner, lane.novelty))
-        did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
-        transition, truncated = (part.reshape(-1, envs) for part in did)
-        record.add(transition, truncated, float(log.loss[place].mean(dtype=np.float64)))
-        job.lanes[run] = lane
+def _gain(job: Job, run: int, log: Log, place: int, sound: bool) -> Gain | NotFiniteError:
+    """What a stretch adds to the record of a run, or that it has come to what is no number."""
+    loss, envs = log.loss[place], log.transition.shape[-1]
+    if (error := _not_finite(job, run, np.asarray(loss), sound)) is not None:
+        return error
+    did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
+    transition, truncated = (part.reshape(-1, envs) for part in did)
+    return job.records[run].gain(transition, truncated, float(loss.mean(dtype=np.float64)))
 
 
-def _check_finite(job: Job, run: int, loss: np.ndarray, learned: object) -> None:
-    """Refuses what a run has come to, if it is no numbers.
+def _enter(seats: list[Seat], advanced: _Advanced) -> list[Job]:
+    """Takes in what a stretch gave; the jobs that it has changed.
 
     Raises:
-        NotFiniteError: a loss is not finite, or what was learned at the end of the stretch.
+        NotFiniteError: of a run; those before it have been entered.
     """
+    changed: dict[int, Job] = {}
+    for (job, run), place, gain in zip(seats, advanced.places, advanced.gains, strict=True):
+        record = job.records[run]
+        if record.ended:  # given up while it trained
+            continue
+        if isinstance(gain, NotFiniteError):
+            raise gain
+        record.add(gain)
+        stack = advanced.stack
+        job.lanes[run] = stack.alone(place) if record.ended else InStack(stack, place)
+        changed[job.index] = job
+    return list(changed.values())
+
+
+def _not_finite(job: Job, run: int, loss: np.ndarray, sound: bool) -> NotFiniteError | None:
+    """What is wrong with a run, if a loss or what was learned is not finite."""
     broken = np.flatnonzero(~np.isfinite(loss))
     if len(broken):
         what, updates = "loss", int(broken[0]) + 1
-    elif not all(bool(np.isfinite(leaf).all()) for leaf in jax.tree.leaves(learned)):
+    elif not sound:
         what, updates = "parameters", len(loss)
     else:
-        return
+        return None
     record, algorithm = job.records[run], job.config.algorithm
-    step = record.steps + updates * algorithm.envs * algorithm.rollout
-    raise NotFiniteError(
+    step = record.steps + updates * algorithm.envs * job.program.steps_between
+    return NotFiniteError(
         job,
         run,
         f"{job.world.name}: the {what} of run {job.numbers[run]} "

@@ -102,7 +102,7 @@ def _read(path: Path) -> dict[str, np.ndarray]:
 def _arrays(job: Job) -> dict[str, np.ndarray]:
     arrays = {}
     for run, record in enumerate(job.records):
-        for path, leaf in jax.tree_util.tree_leaves_with_path(job.lanes[run]):
+        for path, leaf in jax.tree_util.tree_leaves_with_path(job.lane(run)):
             arrays[f"{run}/lane{jax.tree_util.keystr(path)}"] = np.asarray(leaf)
         arrays[f"{run}/running"] = record.running
         arrays[f"{run}/episodes"] = record.episodes()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from habilis.compiled import compiled
 from habilis.mdp import TabularMDP
 from habilis.worlds.chance import Chance
 
@@ -42,22 +43,42 @@ class Ledger:
     ) -> tuple[Float[np.ndarray, "n columns"], Float[np.ndarray, "E columns"]]:
         """The sums of the episodes that ended, in the order of time, and the new running sums.
 
-        A transition of -1 is a step that was not made.
+        A transition of -1 is a step that was not made. It may run in several threads at once.
         """
-        made = transition >= 0
-        ended = made & (truncated | self.terminated[transition])
-        steps = np.where(made[..., None], self.columns[transition], 0.0)
-        sums = np.cumsum(steps, axis=0) + running
-        before = np.zeros_like(running)
-        rows, order = [], []
-        for env in range(ended.shape[1]):
-            at = np.flatnonzero(ended[:, env])
-            if len(at):
-                up_to = sums[at, env]
-                rows.append(np.diff(up_to, axis=0, prepend=np.zeros((1, up_to.shape[1]))))
-                order.append(at * ended.shape[1] + env)
-                before[env] = up_to[-1]
-        after = sums[-1] - before
-        if not rows:
-            return np.empty((0, running.shape[1])), after
-        return np.concatenate(rows)[np.argsort(np.concatenate(order))], after
+        each = np.ascontiguousarray(transition), np.ascontiguousarray(truncated)
+        return _entries(self.columns, self.terminated, running, *each)
+
+
+@compiled
+def _entries(
+    columns: np.ndarray,
+    terminated: np.ndarray,
+    running: np.ndarray,
+    transition: np.ndarray,
+    truncated: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    steps, envs = transition.shape
+    width = columns.shape[1]
+    count = 0
+    for t in range(steps):
+        for env in range(envs):
+            at = transition[t, env]
+            count += at >= 0 and (truncated[t, env] or terminated[at])
+    rows = np.empty((count, width))
+    sums = np.zeros((envs, width))  # since the stretch began
+    before = np.zeros((envs, width))  # what had been summed up when the episode began
+    row = 0
+    for t in range(steps):
+        for env in range(envs):
+            at = transition[t, env]
+            if at < 0:
+                continue
+            for column in range(width):
+                sums[env, column] += columns[at, column]
+            if truncated[t, env] or terminated[at]:
+                for column in range(width):
+                    total = sums[env, column] + running[env, column]
+                    rows[row, column] = total - before[env, column]
+                    before[env, column] = total
+                row += 1
+    return rows, sums + running - before

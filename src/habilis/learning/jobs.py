@@ -17,6 +17,7 @@ from habilis.learning.episodes import Ledger
 from habilis.learning.ground import KEPT, Conditions, best_return, ground
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
+from habilis.learning.stacks import InStack
 from habilis.learning.task import Task, make_task, roomy
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World, load_world
@@ -39,7 +40,8 @@ class Job:
         numbers: of its runs, from which their random numbers come; 0 up, unless it has only some
             of them. Elsewhere a run is meant by its place among these.
         records: of its runs.
-        lanes: of its runs, as they were after the last stretch, in NumPy arrays.
+        lanes: of its runs that have begun, as they were after the last stretch: in arrays of
+            their own, or side by side with other runs. `lane` gives one in any case.
     """
 
     index: int
@@ -50,7 +52,7 @@ class Job:
     table: Float[np.ndarray, "S"]
     numbers: tuple[int, ...]
     records: list[Record]
-    lanes: dict[int, Lane]
+    lanes: dict[int, Lane | InStack]
 
     @classmethod
     def of(
@@ -103,6 +105,18 @@ class Job:
         more = self.task[0].states - self.mdp.states
         return settings_of(self.config, np.pad(self.table, (0, more)))
 
+    @cached_property
+    def kind(self) -> tuple:
+        """What must be the same of all runs in a batch; settings may differ from run to run."""
+        return self.world, self.conditions, self.config.observation, self.program
+
+    def lane(self, run: int) -> Lane:
+        """A run as it was after its last stretch, or before its first step, in NumPy arrays."""
+        held = self.lanes.get(run)
+        if held is None:
+            held = self.lanes[run] = self.start(run)
+        return held.lane() if isinstance(held, InStack) else jax.tree.map(np.asarray, held)
+
     def start(self, run: int) -> Lane:
         """A run before its first step; its random numbers are its own."""
         key = jax.random.fold_in(jax.random.key(self.config.seed), self.numbers[run])
@@ -111,7 +125,7 @@ class Job:
 
     def result(self) -> Run:
         """What training gave, when all runs have ended."""
-        learned = [self.lanes[run].learner.parameters for run in range(len(self.records))]
+        learned = [self.lane(run).learner.parameters for run in range(len(self.records))]
         return Run(
             config=self.config,
             world=self.world,

@@ -152,7 +152,7 @@ def start_lanes(task: Task, program: Program, keys: PRNGKeyArray) -> Lane:
     return jax.vmap(one_lane)(keys)
 
 
-@partial(jax.jit, static_argnames="program", donate_argnames="lanes")
+@partial(jax.jit, static_argnames="program")
 def advance(task: Task, settings: Settings, lanes: Lane, program: Program) -> tuple[Lane, Log]:
     """Trains every lane for a stretch.
 

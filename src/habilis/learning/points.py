@@ -37,7 +37,7 @@ def _point(job: Job, run: int) -> Point:
     entropy, bonus, beta = _measured(
         job.task[0],
         job.settings,
-        job.lanes[run],
+        job.lane(run),
         jnp.asarray(record.last.transitions),
         np.float32(record.steps),
         job.program,

@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import polars as pl
-from jaxtyping import Bool, Int
+from jaxtyping import Bool, Float32, Float64, Int
 
 from habilis.learning.config import Config
-from habilis.learning.convergence import episodes_to_convergence
+from habilis.learning.convergence import Averages
 from habilis.learning.episodes import Ledger
 from habilis.worlds.world import World
 
@@ -97,6 +97,44 @@ class Stretch(NamedTuple):
     transitions: Int[np.ndarray, "n"]
 
 
+class Gain(NamedTuple):
+    """What a stretch of training adds to a record, and where it leaves the sums that go on."""
+
+    last: Stretch
+    steps: int
+    episodes: Float32[np.ndarray, "n columns"]
+    running: Float64[np.ndarray, "E columns"]
+    averages: Averages
+    converged_at: int | None
+
+
+class Rows:
+    """Rows that become more; adding some costs as much as they are, however many there are."""
+
+    def __init__(self, rows: np.ndarray):
+        self._rows, self._count = rows, len(rows)
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add(self, rows: np.ndarray) -> None:
+        count = self._count + len(rows)
+        if count > len(self._rows):
+            wider = np.empty((max(count, 2 * self._count), self._rows.shape[1]), self._rows.dtype)
+            wider[: self._count] = self.all()
+            self._rows = wider
+        self._rows[self._count : count] = rows
+        self._count = count
+
+    def all(self) -> np.ndarray:
+        return self._rows[: self._count]
+
+    def keep(self, count: int) -> None:
+        """Drops what comes after the first rows, and the room for more."""
+        self._rows = self._rows[: min(count, self._count)].copy()
+        self._count = len(self._rows)
+
+
 class Record:
     """One run so far: its episodes, and whether it is over.
 
@@ -121,61 +159,77 @@ class Record:
         self.running = ledger.nothing(config.algorithm.envs)
         self.ended = False
         self.converged_at: int | None = None
-        self._parts: list[np.ndarray] = [np.empty((0, self.running.shape[1]), np.float32)]
-        self._points: list[np.ndarray] = [np.empty((0, len(Point._fields)))]
+        self._averages = Averages.of()
+        self._episodes = Rows(np.empty((0, self.running.shape[1]), np.float32))
+        self._points = Rows(np.empty((0, len(Point._fields))))
 
     @property
     def count(self) -> int:
-        return sum(map(len, self._parts))
+        return len(self._episodes)
 
     def episodes(self) -> np.ndarray:
         """float32[n, 2 + flags]: steps, return, and counts of the flags, an episode a row."""
-        if len(self._parts) > 1:
-            self._parts = [np.concatenate(self._parts)]
-        return self._parts[0]
+        return self._episodes.all()
 
     def points(self) -> np.ndarray:
         """float64[n, fields]: a `Point` for each stretch for which one was noted."""
-        if len(self._points) > 1:
-            self._points = [np.concatenate(self._points)]
-        return self._points[0]
+        return self._points.all()
 
     def note(self, point: Point) -> None:
-        self._points.append(np.array([point], np.float64))
+        self._points.add(np.array([point], np.float64))
 
     def restore(
         self, steps: int, running: np.ndarray, episodes: np.ndarray, points: np.ndarray
     ) -> None:
         """Goes back to what an earlier process had come to."""
-        self.steps, self.running, self._parts, self._points = steps, running, [episodes], [points]
+        self.steps, self.running = steps, running
+        self._episodes, self._points = Rows(episodes), Rows(points)
         self.before = steps, len(episodes)
-        self._end_if_over()
+        self._averages, at = self._looked_at(Averages.of(), episodes)
+        self._end_if_over(at)
 
-    def add(
+    def gain(
         self,
         transition: Int[np.ndarray, "T E"],
         truncated: Bool[np.ndarray, "T E"],
         loss: float,
-    ) -> None:
-        """Takes in a stretch of training, and ends the run if that was its last.
+    ) -> Gain:
+        """What a stretch of training will add; changes nothing, so any thread may work it out.
 
         Args:
             transition, truncated: what the environments did.
             loss: its mean.
         """
+        ended, running = self.ledger.entries(self.running, transition, truncated)
+        episodes = ended.astype(np.float32)
+        averages, at = self._looked_at(self._averages, episodes)
         made = transition[transition >= 0]
-        self.last = Stretch(loss, made[-RECENT:])
-        ended, self.running = self.ledger.entries(self.running, transition, truncated)
-        self._parts.append(ended.astype(np.float32))
-        self.steps += made.size
-        self._end_if_over()
+        last = Stretch(loss, made[-RECENT:].copy())
+        return Gain(last, made.size, episodes, running, averages, at)
 
-    def _end_if_over(self) -> None:
+    def add(self, gain: Gain) -> None:
+        """Takes in what a stretch of training gave, and ends the run if that was its last."""
+        self.last, self.running, self._averages = gain.last, gain.running, gain.averages
+        self.steps += gain.steps
+        self._episodes.add(gain.episodes)
+        self._end_if_over(gain.converged_at)
+
+    def give_up(self) -> None:
+        """Ends the run as one that has not converged, if it has not ended."""
+        if not self.ended:
+            self.ended = True
+            self._episodes.keep(self.count)
+
+    def _looked_at(self, before: Averages, more: np.ndarray) -> tuple[Averages, int | None]:
+        """Goes on with the averages; episodes beyond the budget do not count."""
+        within = more[: max(0, self.config.episodes - before.episodes), 1]
+        return before.after(within, self.best_return)
+
+    def _end_if_over(self, at: int | None) -> None:
         budget = self.config.episodes
-        at = episodes_to_convergence(self.episodes()[:budget, 1], self.best_return)
         if at is not None or self.count >= budget or self.steps >= self.config.steps:
             self.ended, self.converged_at = True, at
-            self._parts = [self.episodes()[: budget if at is None else at]]
+            self._episodes.keep(budget if at is None else at)
 
 
 def progress(config: int, records: list[Record]) -> Progress:

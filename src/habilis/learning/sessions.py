@@ -37,6 +37,7 @@ def train_in_folder(
     folder: Path,
     resume: bool,
     seconds: float,
+    lanes: int | None = None,
 ) -> Run:
     """Trains one configuration and keeps checkpoints; see `train`.
 
@@ -64,7 +65,7 @@ def train_in_folder(
         with saving(folder, _GO_ON):
             begin(job, folder)
             events = EventFiles(job, folder)
-        return _train(job, on_progress, folder, seconds, events)
+        return _train(job, on_progress, folder, seconds, events, lanes)
 
 
 def _finished(config: Config, folder: Path) -> Run:
@@ -118,6 +119,7 @@ def _train(
     folder: Path,
     seconds: float,
     events: EventFiles,
+    lanes: int | None,
 ) -> Run:
     saved = time.monotonic()
 
@@ -132,7 +134,7 @@ def _train(
 
     with stop_signals() as stopped:
         try:
-            train_jobs([job], on_progress, look, stopped)
+            train_jobs([job], on_progress, look, stopped, lanes=lanes)
         except FloatingPointError as error:
             kept = checkpoints.checkpoints(folder)
             last = f"the last good checkpoint is {kept[0]}" if kept else "no checkpoint was made"

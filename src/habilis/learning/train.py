@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import overload
 
-from habilis.learning.batches import train_jobs
+from habilis.learning.batches import check_lanes, train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
 from habilis.learning.runs import Progress, Run
@@ -20,9 +20,15 @@ def train(
     out: str | Path | None = ...,
     resume: bool = ...,
     checkpoint_seconds: float = ...,
+    lanes: int | None = ...,
 ) -> Run: ...
 @overload
-def train(config: Sequence[Config], on_progress: OnProgress | None = ...) -> list[Run]: ...
+def train(
+    config: Sequence[Config],
+    on_progress: OnProgress | None = ...,
+    *,
+    lanes: int | None = ...,
+) -> list[Run]: ...
 
 
 def train(
@@ -32,13 +38,15 @@ def train(
     out: str | Path | None = None,
     resume: bool = False,
     checkpoint_seconds: float = 10.0,
+    lanes: int | None = None,
 ) -> Run | list[Run]:
     """Trains all runs of one or several configurations, side by side.
 
-    Runs advance in batches of lanes, batches on as many threads as there are processors (or
-    JAX devices). A run ends by itself when it has converged
+    Runs advance in batches of lanes, batches on as many threads as there are processors, or two
+    for each GPU. A run ends by itself when it has converged
     (`convergence.episodes_to_convergence`) or has used up its episodes; one that waits takes
-    its place. A run is the same, bit for bit, whatever trains beside it.
+    its place. On a CPU, and wherever `lanes` is given, a run is the same, bit for bit, whatever
+    trains beside it.
 
     Args:
         config: one configuration, or several.
@@ -48,27 +56,32 @@ def train(
         resume: whether to go on from the last checkpoint in that folder, if there is one. The
             run that comes out is the same, byte for byte, as without the interruption.
         checkpoint_seconds: how often to write a checkpoint; the last two are kept.
+        lanes: how many runs wide every batch is; one that is not full is filled up. XLA rounds
+            differently at another width, so it gives another run. By default five on a CPU; on a
+            GPU the smallest power of two that holds the runs that wait, from eight to 512, and
+            five if no more than five wait.
 
     Returns:
         A `Run`, or a list of them in the order of the configurations.
 
     Raises:
-        ValueError: a world, tool or sensor that does not exist, a goal out of reach, or a folder
-            that cannot be used.
+        ValueError: a world, tool or sensor that does not exist, a goal out of reach, a folder
+            that cannot be used, or `lanes` that is no whole number from 1 to 65,536.
         KeyboardInterrupt: Ctrl-C or SIGTERM; with `out`, after a last checkpoint.
         FloatingPointError: a loss or a parameter was not finite.
     """
+    check_lanes(lanes)
     if isinstance(config, Config):
         if out is None:
-            return _trained([Job.of(0, config)], on_progress)[0]
+            return _trained([Job.of(0, config)], on_progress, lanes)[0]
         from habilis.learning.sessions import train_in_folder
 
-        return train_in_folder(config, on_progress, Path(out), resume, checkpoint_seconds)
+        return train_in_folder(config, on_progress, Path(out), resume, checkpoint_seconds, lanes)
     if out is not None:
         raise ValueError("out is for one configuration; train several without it, or one by one")
-    return _trained([Job.of(i, c) for i, c in enumerate(config)], on_progress)
+    return _trained([Job.of(i, c) for i, c in enumerate(config)], on_progress, lanes)
 
 
-def _trained(jobs: list[Job], on_progress: OnProgress | None) -> list[Run]:
-    train_jobs(jobs, on_progress)
+def _trained(jobs: list[Job], on_progress: OnProgress | None, lanes: int | None) -> list[Run]:
+    train_jobs(jobs, on_progress, lanes=lanes)
     return [job.result() for job in jobs]

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from habilis.learning.algorithms import ALGORITHMS
-from habilis.learning.batches import LANES, NotFiniteError, train_jobs, workers
+from habilis.learning.batches import LANES, NotFiniteError, room, train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.runs import Progress, Record
@@ -146,7 +146,7 @@ def run_tasks(
     again: Iterable[Job] = ()
     while True:
         try:
-            at_once = 2 * LANES * workers()
+            at_once = room()
             train_jobs(
                 itertools.chain(again, jobs.fresh), jobs.look, stopped=stopped, at_once=at_once
             )

@@ -10,7 +10,7 @@ import numpy as np
 import polars as pl
 
 from habilis.files import write_whole
-from habilis.learning.batches import LANES, train_jobs, workers
+from habilis.learning.batches import room, train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import saving
 from habilis.learning.interruption import Interrupted
@@ -126,7 +126,7 @@ def _train(
             point, job = playing.pop(progress.config)
             done(point, job.result())
 
-    train_jobs(jobs(), look, stopped=stopped, at_once=2 * LANES * workers())
+    train_jobs(jobs(), look, stopped=stopped, at_once=room())
 
 
 def _named(point: Point, rows: pl.DataFrame) -> pl.DataFrame:
