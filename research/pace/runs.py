@@ -15,6 +15,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+import jax
 import numpy as np
 from design import Setting, parts, settings
 
@@ -22,16 +23,15 @@ from habilis.files import write_whole
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
-from habilis.studies.published import EXPERIMENTS
 
 SCREEN: Setting = {"runs": 5, "seed": 31_001, "episodes": 1_000_000, "steps": 15_000_000}
 CONFIRM: Setting = {"runs": 10, "seed": 32_001, "episodes": 1_000_000, "steps": 15_000_000}
 GOES_ON = 3
-"""Of five runs, how many must converge in a row before the setting's next row is trained: the rank is
-that of the worst row."""
+"""Of five runs, how many must converge in a row before the setting's next row is trained, for the
+rank is that of the worst row."""
 MAPS = Path(__file__).parents[2] / "src/habilis/studies/data/maps"
 
-CORRIDOR, YARD = (experiment.world for experiment in EXPERIMENTS)
+CORRIDOR, YARD = "corridor-b", "yard-b"
 ROWS = ((CORRIDOR, "picker"), (YARD, "broom"), (YARD, "picker"))
 """World and tool of the vanilla rows, those in which agents most often fail first."""
 
@@ -50,23 +50,29 @@ def main() -> None:
     groups = [chosen[i : i + args.together] for i in range(0, len(chosen), args.together)]
     if args.stage == "screen":
         for group in groups:
-            screen(group, args.out, stopped)
+            screen(group, args.out, stopped, args.lanes)
     else:
         for world, tool in [*ROWS, *other_maps()]:
             for group in groups:
-                trained(group, world, tool, CONFIRM, args.out, stopped)
+                trained(group, world, tool, CONFIRM, args.out, stopped, args.lanes)
 
 
-def screen(numbers: Sequence[int], out: Path, stopped: Any) -> None:
+def screen(numbers: Sequence[int], out: Path, stopped: Any, lanes: int | None) -> None:
     """Each vanilla row in turn, of those settings that did not fail in the one before."""
     left = list(numbers)
     for world, tool in ROWS:
-        done = trained(left, world, tool, SCREEN, out, stopped)
+        done = trained(left, world, tool, SCREEN, out, stopped, lanes)
         left = [n for n in left if _converged(done.get((n, world, tool))) >= GOES_ON]
 
 
 def trained(
-    numbers: Iterable[int], world: str, tool: str, budget: Setting, out: Path, stopped: Any
+    numbers: Iterable[int],
+    world: str,
+    tool: str,
+    budget: Setting,
+    out: Path,
+    stopped: Any,
+    lanes: int | None = None,
 ) -> Done:
     """The lines of a file after what is missing in it was trained, as far as time allows."""
     done = read(out)
@@ -81,7 +87,7 @@ def trained(
         for i, n in enumerate(todo)
     ]
     began = time.perf_counter()
-    train_jobs(jobs, stopped=stopped)
+    train_jobs(jobs, stopped=stopped, lanes=lanes)
     for number, job in zip(todo, jobs, strict=True):
         if all(record.ended for record in job.records):
             done[number, world, tool] = _line(number, world, tool, every[number], job)
@@ -135,6 +141,7 @@ def _line(number: int, world: str, tool: str, setting: Setting, job: Job) -> Lin
         "first_success": _words(first),
         "had": _words([record.count for record in records]),
         "steps": _words([record.steps for record in records]),
+        "device": jax.devices()[0].device_kind,
     }
 
 
@@ -159,6 +166,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--parts", type=_numbers, default=[], help="structures, by number")
     parser.add_argument("--settings", type=_numbers, default=list(range(len(settings()))))
     parser.add_argument("--together", type=int, default=6, help="settings trained side by side")
+    parser.add_argument("--lanes", type=int, help="runs side by side in a batch")
     parser.add_argument("--seconds", type=float, default=float("inf"))
     parser.add_argument("--out", type=Path, required=True)
     return parser.parse_args()
