@@ -3,7 +3,8 @@
 A *structure* is what the compiled program depends on: how many environments, how long a rollout,
 optimiser, networks, what they are shown. Two structures, of which earlier prototypes said most,
 have thirty settings each; fourteen more are drawn, with six settings each; and there are the
-presets of `habilis.learning.presets`. Everything is drawn from one seed, so the list is the same everywhere.
+presets of `habilis.learning.presets`. Everything is drawn from one seed, so that the list is the
+same everywhere.
 
     python research/pace/design.py      # prints it
 """

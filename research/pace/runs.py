@@ -41,6 +41,7 @@ Done = dict[tuple[int, str, str], Line]
 
 def main() -> None:
     args = _arguments()
+    args.out.parent.mkdir(parents=True, exist_ok=True)
     began = time.perf_counter()
 
     def stopped() -> bool:
