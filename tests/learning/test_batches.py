@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from habilis.learning import batches, stacks
+from habilis.cli import main
+from habilis.learning import batches, checkpoints, stacks
 from habilis.learning.algorithms import A2C
 from habilis.learning.batches import LANES, MOST_LANES, train_jobs
 from habilis.learning.config import Config
@@ -80,6 +81,31 @@ def test_every_batch_is_as_wide_as_was_asked_for(room, monkeypatch):
 def test_what_is_no_width_is_refused(room, lanes):
     with pytest.raises(ValueError, match=r"lanes is .*; give a whole number from 1 to 65,536"):
         train(room, lanes=lanes)
+
+
+def test_the_command_line_sets_the_width(room, tmp_path, monkeypatch, capsys):
+    used = []
+    monkeypatch.setattr(batches, "advance", lambda *parts: used.append(parts) or advance(*parts))
+    command = ["train", room.world, "--runs", "2", "--steps", "1", "--hidden", "8"]
+    command += ["--out", str(tmp_path / "run")]
+    assert main([*command, "--lanes", "0"]) == 2
+    assert "lanes is 0; give a whole number from 1 to 65,536" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+    assert main([*command, "--lanes", "3"]) == 0
+    assert [len(lanes.updates) for _, _, lanes, _ in used] == [3]
+
+
+def test_a_training_that_was_interrupted_goes_on_to_the_same_at_its_width(room, tmp_path):
+    whole = train(room.changed(runs=4), lanes=3)
+
+    def stop(_):
+        if checkpoints.checkpoints(tmp_path / "cut"):
+            raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        train(room.changed(runs=4), stop, out=tmp_path / "cut", checkpoint_seconds=0, lanes=3)
+    again = train(room.changed(runs=4), out=tmp_path / "cut", resume=True, lanes=3)
+    assert_same(again, whole)
 
 
 def test_what_a_device_puts_together_itself_trains_the_same(room, monkeypatch):
