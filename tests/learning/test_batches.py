@@ -1,6 +1,7 @@
 """Batches of lanes: who is in them, how wide they are, and what does not depend on it."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import jax
 import numpy as np
@@ -119,10 +120,11 @@ def test_what_a_device_puts_together_itself_trains_the_same(room, monkeypatch):
 
 
 def test_a_stretch_is_compiled_once_for_all_batches_of_a_width(room):
+    stretches: Any = advance
     train(room.changed(runs=11), lanes=3)
-    before = advance._cache_size()
+    before = stretches._cache_size()
     train(room.changed(runs=13, seed=4), lanes=3)
-    assert advance._cache_size() == before
+    assert stretches._cache_size() == before
 
 
 # Who
@@ -140,7 +142,7 @@ class Waits:
 @given(st.data(), st.integers(1, 6))
 def test_those_that_have_come_least_far_are_taken_and_of_one_kind(data, lanes):
     steps = st.lists(st.integers(0, 3), max_size=6)
-    jobs = [
+    jobs: list[Any] = [
         Waits(index, data.draw(st.integers(0, 2)), data.draw(steps))
         for index in range(data.draw(st.integers(1, 5)))
     ]
@@ -176,8 +178,9 @@ def test_a_job_that_is_stopped_ends_unconverged_and_changes_no_other(room):
     train_jobs(jobs, told.append, stop_job=stop)
     assert 0 in asked
     assert all(record.ended and record.converged_at is None for record in jobs[0].records)
-    stretches = {record.steps // jobs[0].program.steps for record in jobs[0].records}
-    assert stretches == {0, 1}
+    made = {record.steps for record in jobs[0].records}
+    assert min(made) == 0
+    assert len(made) == 2  # a stretch, or none
     ends = [progress for progress in told if progress.config == 0]
     assert [progress.ended for progress in ends] == [23]  # told once, and not of what came later
     assert_same(jobs[1].result(), train(good))
