@@ -16,8 +16,8 @@ LEDGER = Ledger(np.array([[1.0, -1.0], [1.0, 0.0]]), np.array([False, True]))
 """A step that goes on, and one that ends the episode."""
 
 
-def record(**settings: int) -> Record:
-    return Record(Config(algorithm=A2C(envs=1), **settings), BEST, LEDGER)
+def record(episodes: int) -> Record:
+    return Record(Config(algorithm=A2C(envs=1), episodes=episodes), BEST, LEDGER)
 
 
 def add(to: Record, lengths: np.ndarray) -> None:
@@ -30,7 +30,7 @@ def add(to: Record, lengths: np.ndarray) -> None:
 
 def lengths_of(rng: np.random.Generator) -> list[np.ndarray]:
     """Stretches of episodes that become shorter, most often to the point of convergence."""
-    long = np.linspace(rng.integers(5, 40), rng.integers(4, 7), 3_500)
+    long = np.maximum(np.linspace(rng.integers(5, 40), -40, 3_500), rng.integers(3, 7))
     all_of_them = np.maximum(1, rng.normal(long, 1.0).astype(int))
     return np.split(all_of_them, np.sort(rng.integers(0, 3_500, 12)))
 

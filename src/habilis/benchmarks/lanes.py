@@ -1,25 +1,41 @@
 """Training on one device: environment steps a second by how many runs learn side by side.
 
-`habilis bench lanes` measures JAX's default device. On a processor more lanes than fit its caches
-cost as much each; a GPU needs thousands to be busy.
+`habilis bench lanes` measures JAX's default device: the compiled loop alone, all of `train` with
+batches that wide, two of them at once, and what the books of one lane cost. On a processor more
+lanes than fit its caches cost as much each, and `train` has five; a GPU needs thousands to be busy.
 """
 
 import time
+from collections.abc import Callable
 
 import jax
+import numpy as np
 
 from habilis.benchmarks import Result
-from habilis.benchmarks.learning import A2C, CONFIG, UPDATES, Loop
+from habilis.benchmarks.learning import A2C, CONFIG, UPDATES, Loop, steps_a_second
+from habilis.learning.batches import LANES
+from habilis.learning.convergence import Averages
+from habilis.learning.jobs import Job
+from habilis.learning.lanes import advance
 
 _ON_A_PROCESSOR = (1, 5, 16, 64)
-_ON_A_GPU = (1, 5, 16, 64, 256, 1024, 2048, 4096)
+_ON_A_GPU = (1, 5, 16, 64, 256, 512, 1024, 2048, 4096)
+_STEPS = 200_000
+"""Of each run, where all of `train` is measured."""
 
 
 def results() -> list[Result]:
     """The rate of each number of lanes, compiled before, and what compiling took."""
     device = jax.devices()[0]
-    widths = _ON_A_PROCESSOR if device.platform == "cpu" else _ON_A_GPU
-    return [line for lanes in widths for line in _measured(lanes, device.device_kind)]
+    on_cpu = device.platform == "cpu"
+    kind = device.device_kind
+    loops = [
+        line
+        for lanes in (_ON_A_PROCESSOR if on_cpu else _ON_A_GPU)
+        for line in _measured(lanes, kind)
+    ]
+    trains = [_all_of_train(lanes, kind) for lanes in ((LANES,) if on_cpu else _ON_A_GPU)]
+    return [*loops, *trains, *_books()]
 
 
 def _measured(lanes: int, device: str) -> list[Result]:
@@ -27,13 +43,44 @@ def _measured(lanes: int, device: str) -> list[Result]:
     began = time.perf_counter()
     loop.train()
     first = time.perf_counter() - began
-    best = float("inf")
-    for _ in range(3):
-        began = time.perf_counter()
-        loop.train()
-        best = min(best, time.perf_counter() - began)
+    best = _seconds(loop.train, 3)
     steps = lanes * UPDATES * A2C.envs * A2C.rollout
     return [
         Result(f"training, {lanes:,} lanes", steps / best / 1e6, "M steps/s", device),
         Result(f"training, {lanes:,} lanes, first call", first, "s", "compiling included"),
     ]
+
+
+def _all_of_train(lanes: int, device: str) -> Result:
+    rate = steps_a_second(2 * lanes, lanes, _STEPS)
+    told = f"{device}; {2 * lanes:,} runs, bookkeeping included"
+    return Result(f"all of train(), {lanes:,} lanes", rate / 1e6, "M steps/s", told)
+
+
+def _books() -> list[Result]:
+    """What is done in Python and Numba for each lane and stretch, on one processor."""
+    job, loop = Job.of(0, CONFIG), Loop.of(CONFIG.changed(runs=LANES))
+    _, log = advance(loop.task, loop.settings, loop.lanes, loop.program)
+    transition = np.asarray(log.transition)[0].reshape(-1, A2C.envs)
+    truncated = np.asarray(log.truncated)[0].reshape(-1, A2C.envs)
+    ledger, before = job.records[0].ledger, Averages.of()
+    running = ledger.nothing(A2C.envs)
+    episodes, _ = ledger.entries(running, transition, truncated)
+    returns = np.tile(episodes[:, 1], -(-1_000 // max(1, len(episodes))))[:1_000]
+    before, _ = before.after(returns, job.best_return)  # it is compiled here
+    summing = _seconds(lambda: ledger.entries(running, transition, truncated), 50)
+    looking = _seconds(lambda: before.after(returns, job.best_return), 50)
+    return [
+        Result("summing up episodes", summing * 1e3, "ms", f"{transition.size:,} steps of a lane"),
+        Result("looking for convergence", looking * 1e3, "ms", "1,000 more episodes of a run"),
+    ]
+
+
+def _seconds(call: Callable[[], object], times: int) -> float:
+    """The least that a call takes, of so many."""
+    best = float("inf")
+    for _ in range(times):
+        began = time.perf_counter()
+        call()
+        best = min(best, time.perf_counter() - began)
+    return best

@@ -38,12 +38,16 @@ def results() -> list[Result]:
     ]
 
 
-def steps_a_second() -> float:
-    """Of `train` on all processors, bookkeeping included."""
+def steps_a_second(runs: int = RUNS, lanes: int | None = None, steps: int = 1_000_000) -> float:
+    """Of `train` on all processors, bookkeeping included; of so many steps a run."""
     rates: list[float] = []
-    undecided = CONFIG.changed(entropy=9.0)  # no run converges and leaves the others alone
-    for steps in (20_000, 1_000_000):  # the first call compiles
-        train(replace(undecided, steps=steps), lambda p: rates.append(p.steps_per_second))
+    undecided = CONFIG.changed(entropy=9.0, runs=runs)  # no run converges and leaves the others
+    for each in (20_000, steps):  # the first call compiles
+        train(
+            replace(undecided, steps=each),
+            lambda progress: rates.append(progress.steps_per_second),
+            lanes=lanes,
+        )
     return rates[-1]
 
 

@@ -107,15 +107,15 @@ def merged(seats: Sequence[Seat], width: int, device: Any) -> Stack:
     if others:
         stack = stacked([seats[i] for i in others], width, device)
         sources[-2] = stack, list(zip(others, range(len(others)), strict=True))
-    into: tuple[Settings, Lane] | None = None
+    into: Any = None
     for stack, pairs in sources.values():
         places, here = np.zeros(width, np.int32), np.zeros(width, bool)
         for i, place in pairs:
             places[i :: len(seats)], here[i :: len(seats)] = place, True
         source = jax.device_put((stack.settings, stack.lanes), device)
         into = _taken(source, places) if into is None else _filled(into, source, places, here)
-    assert into is not None
-    return Stack(device, *into)
+    settings, lanes = into
+    return Stack(device, settings, lanes)
 
 
 def _started(seats: Sequence[Seat], width: int, device: Any) -> Stack:

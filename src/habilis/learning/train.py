@@ -54,7 +54,8 @@ def train(
         out: a new folder in which to keep checkpoints and, at the end, the run; for one
             configuration.
         resume: whether to go on from the last checkpoint in that folder, if there is one. The
-            run that comes out is the same, byte for byte, as without the interruption.
+            run that comes out is the same, byte for byte, as without the interruption; on a GPU,
+            if `lanes` is given.
         checkpoint_seconds: how often to write a checkpoint; the last two are kept.
         lanes: how many runs wide every batch is; one that is not full is filled up. XLA rounds
             differently at another width, so it gives another run. By default five on a CPU; on a
