@@ -11,7 +11,7 @@ import numpy as np
 from habilis.empowerment import empowerment
 from habilis.empowerment.measures import compared_states
 from habilis.studies.relations import Relation
-from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, FAR_CAN, yard
+from habilis.studies.scenes import yard
 
 HORIZONS = range(1, 31)
 """Where the paper says "always"."""
@@ -68,7 +68,7 @@ def _able_by_offset(tool: str) -> np.ndarray:
 
 
 def foe_cannot_tell_the_tools_apart() -> Relation:
-    near = yard().placed(BESIDE_TOOL, BESIDE_CAN)
+    near = yard()
     picker, broom = (
         near.landscape(1, "state").values,
         near.with_tool("broom").landscape(1, "state").values,
@@ -94,9 +94,9 @@ def average_foe_cannot_tell_the_tools_apart() -> Relation:
 
 
 def one_step_toe_tells_the_tools_apart() -> Relation:
-    near = yard().placed(BESIDE_TOOL, BESIDE_CAN)
-    picker = near.beside(1, "object", BESIDE_TOOL).max()
-    broom = near.with_tool("broom").beside(1, "object", BESIDE_TOOL).max()
+    near = yard()
+    picker = near.beside(1, "object", near.tool_cell).max()
+    broom = near.with_tool("broom").beside(1, "object", near.tool_cell).max()
     return Relation(
         "IV-C.2",
         "1-step TOE next to the tool is larger for the picker than for the broom",
@@ -107,9 +107,9 @@ def one_step_toe_tells_the_tools_apart() -> Relation:
 
 def foe_cannot_see_the_can() -> Relation:
     broom = yard().with_tool("broom")
-    near = broom.placed(BESIDE_TOOL, BESIDE_CAN).landscape(1, "state").values
-    far = broom.placed(BESIDE_TOOL, FAR_CAN).landscape(1, "state").values
-    both = (broom.distance(BESIDE_TOOL) == 1) & np.isfinite(near)
+    near = broom.landscape(1, "state").values
+    far = broom.with_object_far().landscape(1, "state").values
+    both = (broom.distance(broom.tool_cell) == 1) & np.isfinite(near)
     apart = both & (np.abs(near - far) > _SAME)
     return Relation(
         "IV-C.2",
@@ -122,12 +122,12 @@ def foe_cannot_see_the_can() -> Relation:
 def toe_is_zero_far_from_the_can() -> Relation:
     found, holds = [], True
     for tool in ("picker", "broom"):
-        far = yard().with_tool(tool).placed(BESIDE_TOOL, FAR_CAN)
+        far = yard().with_tool(tool).with_object_far()
         for horizon in (1, 2, 3):
             values = far.landscape(horizon, "object").values
-            at_tool = np.nanmax(values[far.distance(BESIDE_TOOL) == 1])
-            at_can = np.nanmax(values[far.distance(FAR_CAN) <= horizon])
-            elsewhere = np.nanmax(values[far.distance(FAR_CAN) > horizon])
+            at_tool = np.nanmax(values[far.distance(far.tool_cell) == 1])
+            at_can = np.nanmax(values[far.distance(far.world.object) <= horizon])
+            elsewhere = np.nanmax(values[far.distance(far.world.object) > horizon])
             holds &= bool(at_tool == elsewhere == 0 < at_can)
             found.append(f"{at_tool:.1f}/{at_can:.1f}/{elsewhere:.1f}")
     return Relation(
@@ -154,11 +154,11 @@ def foe_can_be_larger_for_the_broom() -> Relation:
 
 
 def foe_near_the_tool_can_be_larger_for_the_broom() -> Relation:
-    near = yard().placed(BESIDE_TOOL, BESIDE_CAN)
+    near = yard()
     larger = []
     for horizon in range(2, 6):
-        picker = near.beside(horizon, "state", BESIDE_TOOL).max()
-        broom = near.with_tool("broom").beside(horizon, "state", BESIDE_TOOL).max()
+        picker = near.beside(horizon, "state", near.tool_cell).max()
+        broom = near.with_tool("broom").beside(horizon, "state", near.tool_cell).max()
         if broom > picker:
             larger.append(f"h = {horizon}: {broom:.2f} over {picker:.2f}")
     return Relation(

@@ -74,11 +74,16 @@ def weigh(
 def looks_at(stated: Stated) -> frozenset[str]:
     """The fields of a world that a stated number depends on."""
     if stated.kind == "apart":
-        return frozenset({"agent", "tool_cell"})
-    if stated.kind == "average" or stated.placed:
+        return frozenset({stated.of, "tool_cell"})
+    if stated.kind == "average":
+        everything = {"walls", "agent", "object", "tool_cell"}
+        seen = {"equipped": {"walls"}, "all": {"walls", "tool_cell"}, "reachable": everything}
+        return frozenset(seen[stated.over])
+    if stated.placed:
         return frozenset({"walls"})
     if stated.kind == "landscape":
-        return frozenset({"walls", "tool_cell", "object"})
+        around = {"goal"} if stated.around == "goal" else set()
+        return frozenset({"walls", "tool_cell", "object"} | around)
     return frozenset({"walls", *_THINGS} - ({"tool_cell"} if stated.tool == NO_TOOL else set()))
 
 
