@@ -265,6 +265,10 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--from", dest="begin", metavar="WORLD", help=begin)
     after = "folder with earlier maps: others are found, and numbered on from them"
     v.add_argument("--after", type=Path, metavar="DIR", help=after)
+    reading = "how rules 3 to 5 are read: some of 'pushes shoves sweeps sticky'"
+    v.add_argument("--reading", default="", metavar="WORDS", help=reading)
+    over = ("equipped", "all", "reachable")
+    v.add_argument("--over", choices=over, default=over[0], help="states that averages go over")
     v.set_defaults(writes={"out": FOLDER})
 
     v = verb(

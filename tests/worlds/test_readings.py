@@ -286,7 +286,7 @@ def test_a_sticky_pickers_can_is_attached():
 
 
 @cache
-def crossed_by(off: Cell, turn: int) -> set[Cell]:
+def crossed_by(off: Cell, turn: int) -> frozenset[Cell]:
     """The squares that a point at `off` from the agent crosses, in small steps."""
     found = set()
     for step in range(201):
@@ -294,7 +294,7 @@ def crossed_by(off: Cell, turn: int) -> set[Cell]:
         row = off[0] * math.cos(angle) + off[1] * math.sin(angle)
         column = off[1] * math.cos(angle) - off[0] * math.sin(angle)
         found.add((round(row), round(column)))
-    return found
+    return frozenset(found)
 
 
 def by_the_rules(world: World, at: dict[str, Cell], action: int) -> dict[str, Cell]:

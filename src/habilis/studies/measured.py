@@ -31,11 +31,11 @@ def measured(scene: Scene, stated: Stated) -> float:
 
 
 def _averaged(scene: Scene, stated: Stated) -> float:
-    bits = scene.average(stated.horizon, stated.sensor, stated.over)
+    bits = scene.average(stated.horizon, stated.sensor)
     if not stated.against:
         return bits
     other = scene.with_tool(stated.against)
-    return bits - other.average(stated.horizon, stated.sensor, stated.over)
+    return bits - other.average(stated.horizon, stated.sensor)
 
 
 def _of_landscape(scene: Scene, stated: Stated) -> float:

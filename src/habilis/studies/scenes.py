@@ -1,4 +1,4 @@
-"""The paper's two worlds, their tables, and the placements that its figures show."""
+"""The paper's two worlds, their tables, and what is computed from them."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -26,9 +26,15 @@ so those with the tool in its cell of the map, too; all that can be reached from
 
 @dataclass(frozen=True)
 class Scene:
-    """A world, and what is computed from it, each thing once."""
+    """A world, and what is computed from it, each thing once.
+
+    Attributes:
+        world: with its tool.
+        over: the states over which averages go, one of `OVER`.
+    """
 
     world: World
+    over: str = "equipped"
     _like: TabularMDP | None = field(default=None, compare=False, repr=False)
     _tools: dict[str, "Scene"] = field(default_factory=dict, compare=False, repr=False)
     _landscapes: dict[tuple, Landscape] = field(default_factory=dict, compare=False, repr=False)
@@ -41,12 +47,12 @@ class Scene:
         if tool == self.world.tool:
             return self
         if tool not in self._tools:
-            self._tools[tool] = Scene(self.world.with_tool(tool))
+            self._tools[tool] = Scene(self.world.with_tool(tool), self.over)
         return self._tools[tool]
 
     def restarted(self, world: World) -> "Scene":
         """The scene of a world with the same walls and tool cell, made of this one's tables."""
-        other = Scene(world, self.__dict__.get("mdp", self._like))
+        other = Scene(world, self.over, self.__dict__.get("mdp", self._like))
         for tool, scene in self._tools.items():
             other._tools[tool] = scene.restarted(world.with_tool(tool))
         return other
@@ -61,18 +67,17 @@ class Scene:
         inner = [c for c in cells if all((c[0] + r, c[1] + k) in cells for r, k in _SIDES)]
         taken = world.agent, self.tool_cell
         far = max((c for c in inner or cells if c not in taken), key=lambda cell: distance[cell])
-        return Scene(replace(world, object=far))
+        return Scene(replace(world, object=far), self.over)
 
-    def average(self, horizon: int, sensor: str = "object", over: str = "equipped") -> float:
-        """Mean empowerment in bits over some states, one of `OVER`."""
-        states = self.states(over)
-        return float(empowerment(self.mdp, horizon, sensor, states=states).mean())
+    def average(self, horizon: int, sensor: str = "object") -> float:
+        """Mean empowerment in bits over the states that `over` names."""
+        return float(empowerment(self.mdp, horizon, sensor, states=self._averaged).mean())
 
-    def states(self, over: str) -> Bool[np.ndarray, "S"]:
-        """The states that are meant by one of `OVER`."""
-        if over == "equipped":
+    @property
+    def _averaged(self) -> Bool[np.ndarray, "S"]:
+        if self.over == "equipped":
             return compared_states(self.mdp)
-        if over == "all":
+        if self.over == "all":
             return np.ones(self.mdp.states, bool)
         return reached_from(self.mdp.next_state, self.mdp.start)
 
@@ -134,11 +139,14 @@ def reached_from(next_state: Int32[np.ndarray, "S A"], start: int) -> Bool[np.nd
     return reached
 
 
-def corridor() -> Scene:
-    """The first experiment's world."""
-    return Scene(load_world(FIRST_WORLD))
+@dataclass(frozen=True)
+class Pair:
+    """The worlds of the two experiments."""
+
+    corridor: Scene
+    yard: Scene
 
 
-def yard() -> Scene:
-    """The second experiment's world, with the picker."""
-    return Scene(load_world(SECOND_WORLD))
+def pair() -> Pair:
+    """Those of the reproduction, each with the picker."""
+    return Pair(Scene(load_world(FIRST_WORLD)), Scene(load_world(SECOND_WORLD)))

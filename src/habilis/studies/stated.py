@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 from habilis.studies.scenes import OVER
-from habilis.worlds.tools import TOOLS
+from habilis.worlds.tools import TOOLS, Reading
 from habilis.worlds.world import ENVIRONMENT, NO_TOOL
 
 KINDS = {
     "steps": (),
     "return": (),
     "apart": ("of",),
-    "average": ("sensor", "horizon", "against", "over"),
+    "average": ("sensor", "horizon", "against"),
     "landscape": (
         *("sensor", "horizon", "statistic", "around", "within", "beyond", "placed", "against"),
     ),
@@ -30,7 +30,6 @@ _CHOICES = {
     "statistic": ("most", "least", "mean", "rank"),
     "around": ("tool", "object", "goal"),
     "against": tuple(TOOLS),
-    "over": OVER,
 }
 _NAME = re.compile(r"[\w-]+")  # of maps, and so of the files in which they are written
 _COMMON = ("kind", "text", "section", "tool", "value", "tolerance", "least", "most")
@@ -49,7 +48,6 @@ class Stated:
         tool: the tool that takes the place of the map's own; "" for that.
         of: "agent" or "object": whose distance to the tool is meant.
         sensor, horizon: of empowerments.
-        over: the states over which an average goes, one of `scenes.OVER`.
         against: another tool, whose average is subtracted, or from whose landscape the absolute
             difference is meant; "" for none.
         statistic: "most", "least" or "mean" over the cells of a landscape; or "rank", the share of
@@ -71,7 +69,6 @@ class Stated:
     of: str = "agent"
     sensor: str = "object"
     horizon: int = 0
-    over: str = "equipped"
     against: str = ""
     statistic: str = "most"
     around: str = ""
@@ -123,6 +120,8 @@ class StatedMap:
         walls: about how many cells are walls where a search begins.
         numbers: what it has to meet.
         source: the list's own name.
+        reading: of the rules by which its tools move.
+        over: the states over which averages go, one of `scenes.OVER`.
     """
 
     name: str
@@ -132,6 +131,8 @@ class StatedMap:
     walls: int
     numbers: tuple[Stated, ...]
     source: str = ""
+    reading: Reading = Reading()
+    over: str = OVER[0]
 
 
 def stated_names() -> list[str]:

@@ -11,9 +11,10 @@ from habilis.files import check_folder, save_whole, writing
 from habilis.studies.numbers import Number
 from habilis.studies.reconstruction.annealing import Schedule
 from habilis.studies.reconstruction.search import Report, attempts
-from habilis.studies.scenes import Scene
+from habilis.studies.scenes import OVER, Scene
 from habilis.studies.stated import StatedMap, load_stated
 from habilis.worlds.characters import COMMENT
+from habilis.worlds.tools import Reading
 from habilis.worlds.world import World, load_world, world_names
 
 
@@ -23,7 +24,7 @@ def reconstruct(args: Namespace) -> int:
     Returns:
         The exit status: 0 if there are as many maps as asked for, 1 if not.
     """
-    stated = load_stated(args.stated)
+    stated = _read_so(load_stated(args.stated), args)
     for name in ("count", "attempts", "changes"):
         if getattr(args, name) < 1:
             raise ValueError(f"--{name} is {getattr(args, name)}; give 1 or more")
@@ -44,7 +45,7 @@ def reconstruct(args: Namespace) -> int:
             nearest = attempt.best
         if attempt.found:
             world = replace(attempt.best.world, name=_name(stated, first + len(maps)))
-            numbers = [Number.of(Scene(world), number) for number in stated.numbers]
+            numbers = [Number.of(Scene(world, stated.over), number) for number in stated.numbers]
             maps.append(
                 {
                     "name": world.name,
@@ -75,6 +76,16 @@ def reconstruct(args: Namespace) -> int:
         file=sys.stderr,
     )
     return 1
+
+
+def _read_so(stated: StatedMap, args: Namespace) -> StatedMap:
+    """The list under the reading of the rules, and of averages, that is asked for."""
+    unknown, reading = Reading.of(f" {args.reading or ''}".rstrip())
+    if unknown.strip():
+        raise ValueError(
+            f"--reading is {args.reading!r}; give some of {Reading(*[True] * 4).words}, or nothing"
+        )
+    return replace(stated, reading=reading, over=args.over)
 
 
 def _beginning(stated: StatedMap, name: str) -> World:
@@ -123,7 +134,9 @@ def _write(args: Namespace, world: World, stated: StatedMap, attempt: int) -> No
         f"habilis reconstruct {stated.source} --seed {args.seed} --changes {args.changes} "
         f"--hot {args.hot:g}"
         + (f" --from {args.begin}" if args.begin else "")
-        + (f" --after {args.after}" if args.after else ""),
+        + (f" --after {args.after}" if args.after else "")
+        + (f' --reading "{stated.reading.words}"' if stated.reading.words else "")
+        + (f" --over {stated.over}" if stated.over != OVER[0] else ""),
         f"Meets all {len(stated.numbers)} stated numbers of {stated.source}.toml.",
     )
     comments = "".join(f"{COMMENT} {line}\n" for line in lines)
