@@ -25,7 +25,10 @@ def run_json(capsys, *arguments):
 
 
 def test_worlds_lists_and_draws(capsys, tmp_path):
-    assert run_json(capsys, "worlds") == (0, {"worlds": ["corridor", "yard"]})
+    assert run_json(capsys, "worlds") == (
+        0,
+        {"worlds": ["corridor", "corridor-b", "yard", "yard-b"]},
+    )
     _, yard = run_json(capsys, "worlds", "yard", "--tool", "broom")
     assert yard["map"][3] == "B.#......."
     assert main(["worlds", "yard", "--out", str(tmp_path / "yard.png")]) == 0
@@ -241,7 +244,8 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         ),
         (
             ["reconstruct", "gym:Taxi-v4"],
-            "(it is a Gymnasium environment); name one of corridor, yard, or the path of a TOML",
+            "(it is a Gymnasium environment); name one of corridor, corridor-all, yard, yard-all, "
+            "yard-apart, or the path of a TOML",
         ),
         (
             ["empowerment", "gym:CartPole-v1", "--horizon", "1", "--max-states", "99"],

@@ -257,7 +257,7 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
         "search for maps that meet stated numbers, because the paper's own maps are not available",
         "habilis reconstruct corridor --count 6 --seed 0 --out maps",
     )
-    stated = "corridor, yard, or a TOML file of stated numbers"
+    stated = "corridor, yard, yard-apart, or a TOML file of stated numbers"
     v.add_argument("stated", metavar="LIST", help=stated)
     v.add_argument("--count", type=int, default=1, metavar="N", help="of maps (default 1)")
     v.add_argument("--seed", type=int, default=0, help="of the search (default 0)")
@@ -268,6 +268,12 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--hot", type=float, default=1.0, metavar="T", help="temperature to begin at")
     begin = "begin each attempt with this map (default: at random)"
     v.add_argument("--from", dest="begin", metavar="WORLD", help=begin)
+    after = "folder with earlier maps: others are found, and numbered on from them"
+    v.add_argument("--after", type=Path, metavar="DIR", help=after)
+    reading = "how rules 3 to 5 are read: some of 'pushes shoves sweeps sticky'"
+    v.add_argument("--reading", default="", metavar="WORDS", help=reading)
+    over = ("equipped", "all", "reachable")
+    v.add_argument("--over", choices=over, default=over[0], help="states that averages go over")
     v.set_defaults(writes={"out": FOLDER})
 
     v = verb(

@@ -5,21 +5,97 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from habilis.empowerment import empowerment
 from habilis.empowerment.landscape import landscape
 from habilis.studies.measured import measured
-from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, Scene, yard
+from habilis.studies.scenes import Scene
 from habilis.studies.stated import Stated, load_stated, parse_stated, stated_names
+from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world
 
 HEAD = '[map]\nheight = 5\nwidth = 5\ntool = "picker"\nwalls = 3\n'
 STEPS = '[[number]]\nkind = "steps"\ntext = "steps"\nvalue = 6\n'
 
 
-@pytest.mark.parametrize("name", stated_names())
-def test_the_built_in_world_meets_every_number_of_its_list(name):
-    scene = Scene(load_world(name))
+YARD = Scene(load_world("yard"))
+
+
+@pytest.mark.parametrize(
+    ("world", "name"),
+    [
+        ("corridor", "corridor"),
+        ("corridor-b", "corridor-all"),
+        ("yard", "yard-apart"),
+        ("yard-b", "yard"),
+    ],
+)
+def test_the_built_in_world_meets_every_number_of_its_list(world, name):
+    scene = Scene(load_world(world))
     for stated in load_stated(name).numbers:
         assert stated.miss(measured(scene, stated)) == 0, stated.text
+
+
+@pytest.mark.parametrize(
+    ("world", "name", "missed"),
+    [
+        ("corridor", "corridor-all", ["5-step FOE at the goal"]),
+        ("yard", "yard", ["steps from the tool to the can", "1-step TOE", "1-step TOE"]),
+        ("yard-b", "yard-all", ["1-step FOE with the can next to the tool"]),
+    ],
+)
+def test_what_a_built_in_world_does_not_meet_is_known(world, name, missed):
+    scene = Scene(load_world(world))
+    found = [s.text for s in load_stated(name).numbers if s.miss(measured(scene, s)) != 0]
+    assert len(found) == len(missed)
+    assert all(text.startswith(start) for text, start in zip(found, missed, strict=True)), found
+
+
+def test_a_list_may_have_all_of_another_and_more():
+    first, more = load_stated("yard"), load_stated("yard-all")
+    assert more.numbers[: len(first.numbers)] == first.numbers
+    assert len(more.numbers) == len(first.numbers) + 2
+    assert (more.name, more.source) == ("yard", "yard-all")
+    assert (more.height, more.tool, more.walls) == (first.height, first.tool, first.walls)
+
+
+def test_a_rank_is_the_share_of_cells_that_are_not_higher():
+    scene = Scene(World.parse("A....\n.C...\n.G...\n.....\n....P\n"))
+    values = landscape(scene.world, 2, "state").values
+    goal = Stated("landscape", "", sensor="state", horizon=2, statistic="rank", around="goal")
+    there = values[np.isfinite(values)]
+    expected = (there <= values[2, 1]).mean()
+    assert measured(scene, replace(goal, within=0)) == pytest.approx(expected)
+    assert 0 < expected < 1
+
+
+def test_what_is_against_another_tool_is_the_difference():
+    scene = Scene(World.parse(".....\n.APC.\n.....\n....G\n"))
+    broom = scene.with_tool("broom")
+    gap = Stated("average", "", sensor="state", horizon=2, against="broom")
+    assert measured(scene, gap) == scene.average(2, "state") - broom.average(2, "state") != 0
+    cells = np.abs(
+        landscape(scene.world, 1, "state").values - landscape(broom.world, 1, "state").values
+    )
+    most = Stated("landscape", "", sensor="state", horizon=1, against="broom")
+    assert measured(scene, most) == np.nanmax(cells) > 0
+    assert measured(broom, replace(most, tool="broom")) == 0
+
+
+def test_averages_go_over_the_states_that_are_asked_for():
+    world = World.parse("A..#.\n.PC#.\n...#.\n...#G\n")
+    bits = empowerment(mdp := tabulate(world), 2, "object")
+    reached, edge = {mdp.start}, [mdp.start]
+    while edge:
+        fresh = set(mdp.next_state[edge.pop()].tolist()) - reached
+        reached |= fresh
+        edge += fresh
+    assert len(reached) < mdp.flags["equipped"].sum() < mdp.states
+    for over, expected in (
+        ("equipped", bits[mdp.flags["equipped"]]),
+        ("all", bits),
+        ("reachable", bits[sorted(reached)]),
+    ):
+        assert Scene(world, over).average(2) == pytest.approx(expected.mean())
 
 
 @pytest.mark.parametrize("name", stated_names())
@@ -36,7 +112,7 @@ def test_no_number_is_met_by_everything(name):
 
 def test_a_narrower_tolerance_is_missed():
     broom = next(s for s in load_stated("yard").numbers if s.value == 0.28)
-    found = measured(yard(), broom)
+    found = measured(YARD, broom)
     assert broom.miss(found) == 0 < replace(broom, tolerance=0.001).miss(found)
     assert replace(broom, value=0.29).miss(found) == pytest.approx(0.285 - found)
 
@@ -63,7 +139,7 @@ def test_a_goal_out_of_reach_is_infinitely_far():
 
 
 def test_side_by_side_is_in_the_open():
-    assert yard().side_by_side == (BESIDE_TOOL, BESIDE_CAN)
+    assert YARD.side_by_side == ((2, 6), (2, 5))
     assert Scene(World.parse("AP.CG")).side_by_side is None
     placed = Stated("landscape", "", horizon=1, placed=True, around="tool", within=1)
     assert np.isnan(measured(Scene(World.parse("AP.CG")), placed))
@@ -93,6 +169,10 @@ def test_side_by_side_is_in_the_open():
         (HEAD + STEPS.replace('text = "steps"', ""), "has no text"),
         (HEAD.replace("picker", "none") + STEPS.replace("steps", "apart"), "there is none"),
         (HEAD.replace("picker", "none") + STEPS + 'tool = "broom"', "no place for a broom"),
+        (HEAD + 'name = "a/b"\n' + STEPS, "the name 'a/b'; give letters"),
+        ('[map]\nlike = "garden"\n' + STEPS, "like 'garden'; name one of corridor"),
+        ('[map]\nlike = "yard"\nwalls = 3\n' + STEPS, "leave all else but the name"),
+        ('[map]\nlike = "yard"\nname = 3\n' + STEPS, "the name 3; give letters"),
     ],
 )
 def test_a_list_that_cannot_be_is_refused_in_one_line(text, names):
@@ -103,5 +183,5 @@ def test_a_list_that_cannot_be_is_refused_in_one_line(text, names):
 
 
 def test_an_unknown_list_is_refused():
-    with pytest.raises(ValueError, match="name one of corridor, yard"):
+    with pytest.raises(ValueError, match="name one of corridor, corridor-all, yard"):
         load_stated("nowhere.toml")

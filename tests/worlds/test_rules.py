@@ -974,7 +974,7 @@ def test_every_action_in_every_state_of_any_world_is_as_ruled(world: World):
 
 
 @pytest.mark.parametrize("tool", ["picker", "broom", "none"])
-@pytest.mark.parametrize("name", ["corridor", "yard"])
+@pytest.mark.parametrize("name", ["corridor", "corridor-b", "yard", "yard-b"])
 def test_the_built_in_worlds_are_as_ruled(name: str, tool: str):
     world = load_world(name, tool=tool)
     mdp = tabulate(world)

@@ -204,7 +204,7 @@ def test_a_map_without_a_tool_may_be_asked_for_none():
 # Loading
 
 
-@pytest.mark.parametrize("name", ["corridor", "yard"])
+@pytest.mark.parametrize("name", ["corridor", "corridor-b", "yard", "yard-b"])
 def test_a_built_in_world_is_the_file_of_that_name_in_the_package(name: str):
     text = (files("habilis.worlds") / "builtin" / f"{name}.txt").read_text("utf-8")
     assert load_world(name) == World.parse(text, name)
@@ -243,7 +243,7 @@ def test_a_loaded_world_refuses_a_tool_it_cannot_take(tmp_path: Path):
 
 
 def test_an_unknown_world_is_refused_with_the_known_ones(tmp_path: Path):
-    with pytest.raises(ValueError, match="corridor, yard, or the path of a map file"):
+    with pytest.raises(ValueError, match="corridor, corridor-b, yard, yard-b, or the path of a map file"):
         load_world(tmp_path / "garden")
     with pytest.raises(ValueError, match="garden: no such world"):
         load_world("garden")

@@ -245,7 +245,7 @@ def _measured(pair: World, horizon: int, slip: float, options: Options) -> _Pair
 
 def _dynamics(pair: World) -> object:
     """What a pair's measures depend on: they go over all placements, wherever things start."""
-    return id(pair.tool_rule), pair.tool_slip, pair.object_kind
+    return id(pair.tool_rule), pair.tool_slip, pair.reading, pair.object_kind
 
 
 def _object_names(world: World) -> list[str]:

@@ -16,7 +16,7 @@ from habilis.studies.curves import (
     mean_curve,
     returns,
 )
-from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, corridor, yard
+from habilis.studies.scenes import pair
 from habilis.studies.tables import Result
 from habilis.worlds.pictures import draw_world
 from habilis.worlds.rules import ACTIONS
@@ -116,7 +116,7 @@ def _curves(ax: Axes, results: Sequence[Result], share: Callable[[Run], Curves])
 
 def figure_3() -> Figure:
     """1-step FOE, 5-step FOE and 6-step TOE in the first world."""
-    scene = corridor()
+    scene = pair().corridor
     return draw_landscapes(
         {
             "(a) 1-step FOE": scene.landscape(1, "state"),
@@ -129,13 +129,13 @@ def figure_3() -> Figure:
 
 def figure_4a() -> Figure:
     """1-step FOE with the can next to the broom."""
-    broom = yard().with_tool("broom").placed(BESIDE_TOOL, BESIDE_CAN)
+    broom = pair().yard.with_tool("broom")
     panels = {"(a) 1-step FOE, broom": broom.landscape(1, "state")}
     return draw_landscapes(panels, cell=40)
 
 
 def figure_4b(tool: str) -> Figure:
     """1-step TOE with the can next to a tool."""
-    scene = yard().with_tool(tool).placed(BESIDE_TOOL, BESIDE_CAN)
+    scene = pair().yard.with_tool(tool)
     panels = {f"(b) 1-step TOE, {tool}": scene.landscape(1, "object")}
     return draw_landscapes(panels, cell=40)

@@ -11,13 +11,13 @@ import numpy as np
 from habilis.empowerment import empowerment
 from habilis.mdp import TabularMDP
 from habilis.studies.relations import Relation
-from habilis.studies.scenes import corridor, yard
+from habilis.studies.scenes import Pair
 from habilis.worlds.plans import solve
 
 
-def tool_is_the_optimal_way() -> Relation:
+def tool_is_the_optimal_way(worlds: Pair) -> Relation:
     """First experiment: fetching the picker pays."""
-    with_tool, bare = solve(corridor().mdp), solve(corridor().with_tool("none").mdp)
+    with_tool, bare = solve(worlds.corridor.mdp), solve(worlds.corridor.with_tool("none").mdp)
     assert with_tool is not None
     steps = "no plan" if bare is None else f"{bare.steps} steps"
     return Relation(
@@ -28,8 +28,8 @@ def tool_is_the_optimal_way() -> Relation:
     )
 
 
-def picker_is_useful() -> Relation:
-    toe, agent = corridor().average(6), corridor().with_tool("none").average(6)
+def picker_is_useful(worlds: Pair) -> Relation:
+    toe, agent = worlds.corridor.average(6), worlds.corridor.with_tool("none").average(6)
     return Relation(
         "IV-B",
         "The picker has an impact on the can, and a larger one than the bare agent (h = 6)",
@@ -38,8 +38,8 @@ def picker_is_useful() -> Relation:
     )
 
 
-def one_step_foe_is_a_beacon_at_the_tool() -> Relation:
-    scene = corridor()
+def one_step_foe_is_a_beacon_at_the_tool(worlds: Pair) -> Relation:
+    scene = worlds.corridor
     values = scene.landscape(1, "state").values
     around = scene.distance(scene.tool_cell) == 1
     least, elsewhere = np.nanmin(values[around]), np.nanmax(values[~around])
@@ -51,8 +51,8 @@ def one_step_foe_is_a_beacon_at_the_tool() -> Relation:
     )
 
 
-def foe_grows_with_the_horizon() -> Relation:
-    one, five = corridor().landscape(1, "state").values, corridor().landscape(5, "state").values
+def foe_grows_with_the_horizon(worlds: Pair) -> Relation:
+    one, five = worlds.corridor.landscape(1, "state").values, worlds.corridor.landscape(5, "state").values
     gain = np.nanmin(five - one)
     return Relation(
         "IV-B.2",
@@ -62,8 +62,8 @@ def foe_grows_with_the_horizon() -> Relation:
     )
 
 
-def five_step_foe_is_high_at_tool_and_can_alike() -> Relation:
-    scene = corridor()
+def five_step_foe_is_high_at_tool_and_can_alike(worlds: Pair) -> Relation:
+    scene = worlds.corridor
     tool = scene.beside(5, "state", scene.tool_cell).max()
     can = scene.beside(5, "state", scene.world.object).max()
     rest = np.nanmean(scene.landscape(5, "state").values)
@@ -77,8 +77,8 @@ def five_step_foe_is_high_at_tool_and_can_alike() -> Relation:
     )
 
 
-def one_step_toe_is_at_the_can_alone() -> Relation:
-    scene = corridor()
+def one_step_toe_is_at_the_can_alone(worlds: Pair) -> Relation:
+    scene = worlds.corridor
     values = scene.landscape(1, "object").values
     around = scene.distance(scene.world.object) == 1
     beside, elsewhere = values[around & np.isfinite(values)], np.nanmax(values[~around])
@@ -91,8 +91,8 @@ def one_step_toe_is_at_the_can_alone() -> Relation:
     )
 
 
-def six_step_toe_is_higher_at_the_picker() -> Relation:
-    scene = corridor()
+def six_step_toe_is_higher_at_the_picker(worlds: Pair) -> Relation:
+    scene = worlds.corridor
     tool = scene.beside(6, "object", scene.tool_cell).max()
     can = scene.beside(6, "object", scene.world.object).max()
     return Relation(
@@ -103,8 +103,8 @@ def six_step_toe_is_higher_at_the_picker() -> Relation:
     )
 
 
-def toe_grows_towards_the_can() -> Relation:
-    scene = corridor()
+def toe_grows_towards_the_can(worlds: Pair) -> Relation:
+    scene = worlds.corridor
     mdp, can = scene.mdp, scene.world.object
     here = mdp.flags["equipped"] & (mdp.factor("object") == can[0] * scene.world.width + can[1])
     states = np.flatnonzero(here)
@@ -120,8 +120,8 @@ def toe_grows_towards_the_can() -> Relation:
     )
 
 
-def goal_has_low_foe() -> Relation:
-    scene = corridor()
+def goal_has_low_foe(worlds: Pair) -> Relation:
+    scene = worlds.corridor
     values = scene.landscape(5, "state").values
     goal, middle = values[scene.world.goal], np.nanmedian(values)
     return Relation(
@@ -132,9 +132,9 @@ def goal_has_low_foe() -> Relation:
     )
 
 
-def tool_actions_need_the_tool() -> Relation:
+def tool_actions_need_the_tool(worlds: Pair) -> Relation:
     changed = total = 0
-    for mdp in _tables_with_tools():
+    for mdp in _tables_with_tools(worlds):
         lying = ~mdp.flags["equipped"]
         reached = mdp.next_state[lying, 4:]
         changed += int((reached != np.flatnonzero(lying)[:, None]).sum())
@@ -147,9 +147,9 @@ def tool_actions_need_the_tool() -> Relation:
     )
 
 
-def equipped_lasts() -> Relation:
+def equipped_lasts(worlds: Pair) -> Relation:
     lost = total = 0
-    for mdp in _tables_with_tools():
+    for mdp in _tables_with_tools(worlds):
         equipped = mdp.flags["equipped"]
         reached = mdp.next_state[equipped]
         lost += int((~equipped[reached]).sum())
@@ -162,12 +162,12 @@ def equipped_lasts() -> Relation:
     )
 
 
-def _tables_with_tools() -> list[TabularMDP]:
-    return [scene.with_tool(t).mdp for scene in (corridor(), yard()) for t in ("picker", "broom")]
+def _tables_with_tools(worlds: Pair) -> list[TabularMDP]:
+    return [scene.with_tool(t).mdp for scene in (worlds.corridor, worlds.yard) for t in ("picker", "broom")]
 
 
-def attached_lasts() -> Relation:
-    mdp = corridor().mdp
+def attached_lasts(worlds: Pair) -> Relation:
+    mdp = worlds.corridor.mdp
     attached = mdp.flags["attached"]
     lost = int((~attached[mdp.next_state[attached]]).sum())
     return Relation(
@@ -178,7 +178,7 @@ def attached_lasts() -> Relation:
     )
 
 
-CHECKS: tuple[Callable[[], Relation], ...] = (
+CHECKS: tuple[Callable[[Pair], Relation], ...] = (
     tool_actions_need_the_tool,
     equipped_lasts,
     tool_is_the_optimal_way,

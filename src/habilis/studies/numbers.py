@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from habilis.studies.measured import measured
+from habilis.studies.published import EXPERIMENTS
 from habilis.studies.scenes import Scene
 from habilis.studies.stated import Stated, load_stated
 from habilis.worlds.world import load_world
@@ -37,10 +38,10 @@ class Number:
 
 
 def published_numbers() -> list[Number]:
-    """All that are printed as numbers, on the built-in worlds, in the paper's order."""
+    """All that are printed as numbers, in the worlds of the experiments, in the paper's order."""
     numbers = []
-    for name in ("corridor", "yard"):
-        scene = Scene(load_world(name))
-        printed = [stated for stated in load_stated(name).numbers if stated.value is not None]
-        numbers += [Number.of(scene, stated) for stated in printed]
+    for experiment in EXPERIMENTS:
+        scene, stated = Scene(load_world(experiment.world)), load_stated(experiment.stated)
+        printed = [number for number in stated.numbers if number.value is not None]
+        numbers += [Number.of(scene, number) for number in printed]
     return numbers

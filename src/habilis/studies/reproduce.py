@@ -146,7 +146,8 @@ def _write_data(reproduction: Reproduction, folder: Path) -> None:
 
 def _write_figures(results: dict[str, list[Result]], folder: Path) -> None:
     first, second = results["table1"], results["table2"]
-    for name in ("corridor", "yard"):
+    for experiment in EXPERIMENTS:
+        name = experiment.world
         save_picture(load_world(name), folder / f"{name}.svg")
     drawn: Sequence[tuple[str, Any]] = (
         ("figure1", figures.figure_1()),

@@ -1,29 +1,40 @@
-"""The paper's two worlds, their tables, and the placements that its figures show."""
+"""The paper's two worlds, their tables, and what is computed from them."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int32, Int64
 
+from habilis.empowerment.core import empowerment
 from habilis.empowerment.landscape import Landscape, landscape
-from habilis.empowerment.measures import average_empowerment
+from habilis.empowerment.measures import compared_states
 from habilis.mdp import TabularMDP
+from habilis.studies.published import FIRST_WORLD, SECOND_WORLD
+from habilis.worlds.moving import free_cells
 from habilis.worlds.table import restarted, tabulate
 from habilis.worlds.world import NO_TOOL, Cell, World, load_world
 
-# What `Scene.side_by_side` finds in the yard.
-BESIDE_TOOL: Cell = (2, 6)
-BESIDE_CAN: Cell = (2, 5)
-FAR_CAN: Cell = (7, 8)
 _SIDES = ((-1, 0), (0, 1), (1, 0), (0, -1))
+
+
+OVER = ("equipped", "all", "reachable")
+"""The states over which an average may go, as the paper does not say which: all placements with the
+tool in hand (without a tool: all), as in `measures.average_empowerment`; all states of the table,
+so those with the tool in its cell of the map, too; all that can be reached from the start."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A world, and what is computed from it, each thing once."""
+    """A world, and what is computed from it, each thing once.
+
+    Attributes:
+        world: with its tool.
+        over: the states over which averages go, one of `OVER`.
+    """
 
     world: World
+    over: str = "equipped"
     _like: TabularMDP | None = field(default=None, compare=False, repr=False)
     _tools: dict[str, "Scene"] = field(default_factory=dict, compare=False, repr=False)
     _landscapes: dict[tuple, Landscape] = field(default_factory=dict, compare=False, repr=False)
@@ -36,23 +47,39 @@ class Scene:
         if tool == self.world.tool:
             return self
         if tool not in self._tools:
-            self._tools[tool] = Scene(self.world.with_tool(tool))
+            self._tools[tool] = Scene(self.world.with_tool(tool), self.over)
         return self._tools[tool]
 
     def restarted(self, world: World) -> "Scene":
         """The scene of a world with the same walls and tool cell, made of this one's tables."""
-        other = Scene(world, self.__dict__.get("mdp", self._like))
+        other = Scene(world, self.over, self.__dict__.get("mdp", self._like))
         for tool, scene in self._tools.items():
             other._tools[tool] = scene.restarted(world.with_tool(tool))
         return other
 
-    def placed(self, tool: Cell, object: Cell) -> "Scene":
-        """The same map with tool and object lying elsewhere."""
-        return Scene(replace(self.world, tool_cell=tool, object=object))
+    def with_object_far(self) -> "Scene":
+        """The same map with the object as far from the tool as can be, where it can be pushed.
+
+        All four cells around it are free; of several such the topmost, then westernmost.
+        """
+        world, distance = self.world, self.distance(self.tool_cell)
+        cells = free_cells(world)
+        inner = [c for c in cells if all((c[0] + r, c[1] + k) in cells for r, k in _SIDES)]
+        taken = world.agent, self.tool_cell
+        far = max((c for c in inner or cells if c not in taken), key=lambda cell: distance[cell])
+        return Scene(replace(world, object=far), self.over)
 
     def average(self, horizon: int, sensor: str = "object") -> float:
-        """See `measures.average_empowerment`."""
-        return average_empowerment(self.mdp, horizon, sensor)
+        """Mean empowerment in bits over the states that `over` names."""
+        return float(empowerment(self.mdp, horizon, sensor, states=self._averaged).mean())
+
+    @property
+    def _averaged(self) -> Bool[np.ndarray, "S"]:
+        if self.over == "equipped":
+            return compared_states(self.mdp)
+        if self.over == "all":
+            return np.ones(self.mdp.states, bool)
+        return reached_from(self.mdp.next_state, self.mdp.start)
 
     def landscape(
         self, horizon: int, sensor: str, places: tuple[Cell | None, Cell] | None = None
@@ -84,8 +111,8 @@ class Scene:
     def side_by_side(self) -> tuple[Cell, Cell] | None:
         """Cells of tool and object, side by side in the open; `None` if there are none.
 
-        The paper's Figure 4 has tool and object so; where, is not known. Here an agent with the
-        tool between itself and the object has two free cells on every side: the topmost, then
+        Where a map has them elsewhere, for lists that speak of them so: an agent with the tool
+        between itself and the object has two free cells on every side. It is the topmost, then
         easternmost such place, in which the tool is to the west of the agent.
         """
         near = [(0, 0), *((d * k, e * k) for k in (1, 2) for d, e in _SIDES)]
@@ -101,11 +128,25 @@ class Scene:
         return self.world.tool_cell
 
 
-def corridor() -> Scene:
-    """The first experiment's world."""
-    return Scene(load_world("corridor"))
+def reached_from(next_state: Int32[np.ndarray, "S A"], start: int) -> Bool[np.ndarray, "S"]:
+    """The states that can be reached from one in any number of steps, itself among them."""
+    reached = np.zeros(len(next_state), bool)
+    edge = np.array([start])
+    while len(edge):
+        reached[edge] = True
+        after = np.unique(next_state[edge])
+        edge = after[~reached[after]]
+    return reached
 
 
-def yard() -> Scene:
-    """The second experiment's world, with the picker."""
-    return Scene(load_world("yard"))
+@dataclass(frozen=True)
+class Pair:
+    """The worlds of the two experiments."""
+
+    corridor: Scene
+    yard: Scene
+
+
+def pair() -> Pair:
+    """Those of the reproduction, each with the picker."""
+    return Pair(Scene(load_world(FIRST_WORLD)), Scene(load_world(SECOND_WORLD)))

@@ -11,7 +11,7 @@ import numpy as np
 from habilis.empowerment import empowerment
 from habilis.empowerment.measures import compared_states
 from habilis.studies.relations import Relation
-from habilis.studies.scenes import BESIDE_CAN, BESIDE_TOOL, FAR_CAN, yard
+from habilis.studies.scenes import Pair
 
 HORIZONS = range(1, 31)
 """Where the paper says "always"."""
@@ -20,8 +20,8 @@ USED_HORIZONS = range(1, 7)
 _SAME = 1e-9  # bits
 
 
-def picker_above_broom_above_bare() -> Relation:
-    picker, broom, bare = (yard().with_tool(t).average(3) for t in ("picker", "broom", "none"))
+def picker_above_broom_above_bare(worlds: Pair) -> Relation:
+    picker, broom, bare = (worlds.yard.with_tool(t).average(3) for t in ("picker", "broom", "none"))
     return Relation(
         "IV-C",
         "Average object empowerment ranks the picker above the broom above the bare agent (h = 3)",
@@ -30,9 +30,9 @@ def picker_above_broom_above_bare() -> Relation:
     )
 
 
-def broom_adds_the_sideways_push() -> Relation:
+def broom_adds_the_sideways_push(worlds: Pair) -> Relation:
     """What the broom can do at once and the agent alone cannot: push from the diagonal."""
-    broom, bare = _able_by_offset("broom"), _able_by_offset("none")
+    broom, bare = _able_by_offset(worlds, "broom"), _able_by_offset(worlds, "none")
     return Relation(
         "IV-C",
         "With the broom the agent can push a can that stands diagonally from it; alone it cannot",
@@ -41,8 +41,8 @@ def broom_adds_the_sideways_push() -> Relation:
     )
 
 
-def broom_adds_nothing_else() -> Relation:
-    broom, bare = _able_by_offset("broom"), _able_by_offset("none")
+def broom_adds_nothing_else(worlds: Pair) -> Relation:
+    broom, bare = _able_by_offset(worlds, "broom"), _able_by_offset(worlds, "none")
     more = {o: int(broom[o]) for o in np.ndindex(3, 3) if o != (1, 1) and broom[o] and not bare[o]}
     in_line = more.get((0, 2), 0) + more.get((2, 0), 0)
     return Relation(
@@ -56,9 +56,9 @@ def broom_adds_nothing_else() -> Relation:
     )
 
 
-def _able_by_offset(tool: str) -> np.ndarray:
+def _able_by_offset(worlds: Pair, tool: str) -> np.ndarray:
     """int[3, 3]: placements with some 1-step TOE, by rows and columns from agent to can."""
-    mdp, width = yard().with_tool(tool).mdp, yard().world.width
+    mdp, width = worlds.yard.with_tool(tool).mdp, worlds.yard.world.width
     states = np.flatnonzero(compared_states(mdp))
     able = states[empowerment(mdp, 1, "object", states=states) > 0]
     agent, can = mdp.factor("agent")[able], mdp.factor("object")[able]
@@ -67,8 +67,8 @@ def _able_by_offset(tool: str) -> np.ndarray:
     return np.bincount(3 * rows[near] + columns[near], minlength=9).reshape(3, 3)
 
 
-def foe_cannot_tell_the_tools_apart() -> Relation:
-    near = yard().placed(BESIDE_TOOL, BESIDE_CAN)
+def foe_cannot_tell_the_tools_apart(worlds: Pair) -> Relation:
+    near = worlds.yard
     picker, broom = (
         near.landscape(1, "state").values,
         near.with_tool("broom").landscape(1, "state").values,
@@ -82,9 +82,9 @@ def foe_cannot_tell_the_tools_apart() -> Relation:
     )
 
 
-def average_foe_cannot_tell_the_tools_apart() -> Relation:
-    picker = yard().average(1, "state")
-    broom = yard().with_tool("broom").average(1, "state")
+def average_foe_cannot_tell_the_tools_apart(worlds: Pair) -> Relation:
+    picker = worlds.yard.average(1, "state")
+    broom = worlds.yard.with_tool("broom").average(1, "state")
     return Relation(
         "IV-C.2",
         "The average 1-step FOE is the same for broom and picker",
@@ -93,10 +93,10 @@ def average_foe_cannot_tell_the_tools_apart() -> Relation:
     )
 
 
-def one_step_toe_tells_the_tools_apart() -> Relation:
-    near = yard().placed(BESIDE_TOOL, BESIDE_CAN)
-    picker = near.beside(1, "object", BESIDE_TOOL).max()
-    broom = near.with_tool("broom").beside(1, "object", BESIDE_TOOL).max()
+def one_step_toe_tells_the_tools_apart(worlds: Pair) -> Relation:
+    near = worlds.yard
+    picker = near.beside(1, "object", near.tool_cell).max()
+    broom = near.with_tool("broom").beside(1, "object", near.tool_cell).max()
     return Relation(
         "IV-C.2",
         "1-step TOE next to the tool is larger for the picker than for the broom",
@@ -105,11 +105,11 @@ def one_step_toe_tells_the_tools_apart() -> Relation:
     )
 
 
-def foe_cannot_see_the_can() -> Relation:
-    broom = yard().with_tool("broom")
-    near = broom.placed(BESIDE_TOOL, BESIDE_CAN).landscape(1, "state").values
-    far = broom.placed(BESIDE_TOOL, FAR_CAN).landscape(1, "state").values
-    both = (broom.distance(BESIDE_TOOL) == 1) & np.isfinite(near)
+def foe_cannot_see_the_can(worlds: Pair) -> Relation:
+    broom = worlds.yard.with_tool("broom")
+    near = broom.landscape(1, "state").values
+    far = broom.with_object_far().landscape(1, "state").values
+    both = (broom.distance(broom.tool_cell) == 1) & np.isfinite(near)
     apart = both & (np.abs(near - far) > _SAME)
     return Relation(
         "IV-C.2",
@@ -119,15 +119,15 @@ def foe_cannot_see_the_can() -> Relation:
     )
 
 
-def toe_is_zero_far_from_the_can() -> Relation:
+def toe_is_zero_far_from_the_can(worlds: Pair) -> Relation:
     found, holds = [], True
     for tool in ("picker", "broom"):
-        far = yard().with_tool(tool).placed(BESIDE_TOOL, FAR_CAN)
+        far = worlds.yard.with_tool(tool).with_object_far()
         for horizon in (1, 2, 3):
             values = far.landscape(horizon, "object").values
-            at_tool = np.nanmax(values[far.distance(BESIDE_TOOL) == 1])
-            at_can = np.nanmax(values[far.distance(FAR_CAN) <= horizon])
-            elsewhere = np.nanmax(values[far.distance(FAR_CAN) > horizon])
+            at_tool = np.nanmax(values[far.distance(far.tool_cell) == 1])
+            at_can = np.nanmax(values[far.distance(far.world.object) <= horizon])
+            elsewhere = np.nanmax(values[far.distance(far.world.object) > horizon])
             holds &= bool(at_tool == elsewhere == 0 < at_can)
             found.append(f"{at_tool:.1f}/{at_can:.1f}/{elsewhere:.1f}")
     return Relation(
@@ -139,10 +139,10 @@ def toe_is_zero_far_from_the_can() -> Relation:
     )
 
 
-def foe_can_be_larger_for_the_broom() -> Relation:
+def foe_can_be_larger_for_the_broom(worlds: Pair) -> Relation:
     larger = []
     for horizon in range(2, 6):
-        picker, broom = (yard().with_tool(t).average(horizon, "state") for t in ("picker", "broom"))
+        picker, broom = (worlds.yard.with_tool(t).average(horizon, "state") for t in ("picker", "broom"))
         if broom > picker:
             larger.append(f"h = {horizon}: {broom:.3f} over {picker:.3f}")
     return Relation(
@@ -153,12 +153,12 @@ def foe_can_be_larger_for_the_broom() -> Relation:
     )
 
 
-def foe_near_the_tool_can_be_larger_for_the_broom() -> Relation:
-    near = yard().placed(BESIDE_TOOL, BESIDE_CAN)
+def foe_near_the_tool_can_be_larger_for_the_broom(worlds: Pair) -> Relation:
+    near = worlds.yard
     larger = []
     for horizon in range(2, 6):
-        picker = near.beside(horizon, "state", BESIDE_TOOL).max()
-        broom = near.with_tool("broom").beside(horizon, "state", BESIDE_TOOL).max()
+        picker = near.beside(horizon, "state", near.tool_cell).max()
+        broom = near.with_tool("broom").beside(horizon, "state", near.tool_cell).max()
         if broom > picker:
             larger.append(f"h = {horizon}: {broom:.2f} over {picker:.2f}")
     return Relation(
@@ -169,8 +169,8 @@ def foe_near_the_tool_can_be_larger_for_the_broom() -> Relation:
     )
 
 
-def toe_always_ranks_the_picker_above_the_broom() -> Relation:
-    gaps = _toe_gaps(HORIZONS)
+def toe_always_ranks_the_picker_above_the_broom(worlds: Pair) -> Relation:
+    gaps = _toe_gaps(worlds, HORIZONS)
     return Relation(
         "IV-C.2",
         f"Average TOE of the picker is above the broom's at every h (1 to {HORIZONS[-1]})",
@@ -179,8 +179,8 @@ def toe_always_ranks_the_picker_above_the_broom() -> Relation:
     )
 
 
-def toe_gap_grows_with_the_horizon() -> Relation:
-    gaps = _toe_gaps(HORIZONS)
+def toe_gap_grows_with_the_horizon(worlds: Pair) -> Relation:
+    gaps = _toe_gaps(worlds, HORIZONS)
     used, peak = gaps[: len(USED_HORIZONS)], int(np.argmax(gaps))
     then = f"; it grows up to h = {HORIZONS[peak]} ({gaps[peak]:.2f} bits)"
     if peak + 1 < len(gaps):
@@ -193,8 +193,8 @@ def toe_gap_grows_with_the_horizon() -> Relation:
     )
 
 
-def _toe_gaps(horizons: range) -> list[float]:
-    picker, broom = yard(), yard().with_tool("broom")
+def _toe_gaps(worlds: Pair, horizons: range) -> list[float]:
+    picker, broom = worlds.yard, worlds.yard.with_tool("broom")
     return [picker.average(h) - broom.average(h) for h in horizons]
 
 
@@ -209,7 +209,7 @@ def _difference(apart: np.ndarray, a: np.ndarray, b: np.ndarray, why: str) -> st
     )
 
 
-CHECKS: tuple[Callable[[], Relation], ...] = (
+CHECKS: tuple[Callable[[Pair], Relation], ...] = (
     picker_above_broom_above_bare,
     broom_adds_the_sideways_push,
     broom_adds_nothing_else,

@@ -1,30 +1,37 @@
 """Stated numbers: what is said of a map, as data that a file can hold."""
 
+import re
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from math import inf
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from habilis.worlds.tools import TOOLS
+from habilis.studies.scenes import OVER
+from habilis.worlds.tools import TOOLS, Reading
 from habilis.worlds.world import ENVIRONMENT, NO_TOOL
 
 KINDS = {
     "steps": (),
     "return": (),
-    "apart": (),
-    "average": ("sensor", "horizon"),
-    "landscape": ("sensor", "horizon", "statistic", "around", "within", "beyond", "placed"),
+    "apart": ("of",),
+    "average": ("sensor", "horizon", "against"),
+    "landscape": (
+        *("sensor", "horizon", "statistic", "around", "within", "beyond", "placed", "against"),
+    ),
 }
 """What can be stated, and with which words besides `tool` and what every number has."""
 _CHOICES = {
     "kind": tuple(KINDS),
     "tool": (*TOOLS, NO_TOOL),
+    "of": ("agent", "object"),
     "sensor": ("state", "agent", "tool", "object"),
-    "statistic": ("most", "least", "mean"),
-    "around": ("tool", "object"),
+    "statistic": ("most", "least", "mean", "rank"),
+    "around": ("tool", "object", "goal"),
+    "against": tuple(TOOLS),
 }
+_NAME = re.compile(r"[\w-]+")  # of maps, and so of the files in which they are written
 _COMMON = ("kind", "text", "section", "tool", "value", "tolerance", "least", "most")
 
 
@@ -33,15 +40,19 @@ class Stated:
     """One stated number.
 
     Attributes:
-        kind: "steps" and "return" of a shortest plan; "apart", the Manhattan distance of agent
-            and tool at the start; "average" empowerment; or a "landscape", of which `statistic`
-            over some cells is meant.
+        kind: "steps" and "return" of a shortest plan; "apart", the Manhattan distance of the tool
+            to the agent, or to what `of` names, at the start; "average" empowerment; or a
+            "landscape", of which `statistic` over some cells is meant.
         text: what it is, in words.
         section: where it is stated.
         tool: the tool that takes the place of the map's own; "" for that.
+        of: "agent" or "object": whose distance to the tool is meant.
         sensor, horizon: of empowerments.
-        statistic: "most", "least" or "mean" over the cells of a landscape.
-        around: the thing around which the cells are, "tool" or "object"; "" for all cells.
+        against: another tool, whose average is subtracted, or from whose landscape the absolute
+            difference is meant; "" for none.
+        statistic: "most", "least" or "mean" over the cells of a landscape; or "rank", the share of
+            all its cells whose values are not above the most of these.
+        around: the thing around which the cells are, "tool", "object" or "goal"; "" for all cells.
         within, beyond: the largest distance of a cell to that thing, and the largest that is too
             near; Manhattan.
         placed: whether tool and object are put side by side (`Scene.side_by_side`), and only agent
@@ -55,8 +66,10 @@ class Stated:
     text: str
     section: str = ""
     tool: str = ""
+    of: str = "agent"
     sensor: str = "object"
     horizon: int = 0
+    against: str = ""
     statistic: str = "most"
     around: str = ""
     within: float = inf
@@ -101,11 +114,14 @@ class StatedMap:
     """What is stated about one map.
 
     Attributes:
-        name: what maps that meet it are called.
+        name: what maps that meet it are called: the list's own name, unless it gives another.
         height, width: of the map.
         tool: the map's own tool.
         walls: about how many cells are walls where a search begins.
         numbers: what it has to meet.
+        source: the list's own name.
+        reading: of the rules by which its tools move.
+        over: the states over which averages go, one of `scenes.OVER`.
     """
 
     name: str
@@ -114,6 +130,9 @@ class StatedMap:
     tool: str
     walls: int
     numbers: tuple[Stated, ...]
+    source: str = ""
+    reading: Reading = Reading()
+    over: str = OVER[0]
 
 
 def stated_names() -> list[str]:
@@ -125,7 +144,7 @@ def load_stated(name: str | Path) -> StatedMap:
     """A list of stated numbers, by its name or from a TOML file.
 
     Args:
-        name: "corridor", "yard", or the path of a file laid out as theirs.
+        name: "corridor", "yard", "yard-apart", or the path of a file laid out as theirs.
 
     Raises:
         ValueError: no such list, or one that cannot be read; the message names the entry and the
@@ -164,13 +183,18 @@ def parse_stated(text: str, name: str = "list") -> StatedMap:
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"{name}: not a TOML file ({error}); {_ENTRIES}") from error
     head, entries = data.get("map"), data.get("number")
+    if isinstance(head, dict) and (like := head.get("like")) is not None:
+        return _like(name, head, like, entries)
     if set(data) != {"map", "number"} or not isinstance(head, dict) or not _are_tables(entries):
         raise ValueError(f"{name}: has {', '.join(data) or 'nothing'}; {_ENTRIES}")
     sizes = ("height", "width", "walls")
-    if set(head) != {*sizes, "tool"} or any(_bad(int, head[size]) for size in sizes):
+    head = {"name": name} | head
+    if set(head) != {*sizes, "tool", "name"} or any(_bad(int, head[size]) for size in sizes):
         raise ValueError(
-            f"{name}: [map] needs height, width and walls (whole numbers), and tool, no more"
+            f"{name}: [map] needs height, width and walls (whole numbers), and tool; it may have "
+            "name, no more"
         )
+    _called(name, head["name"])
     _check_choice(f"{name}, [map]", "tool", head["tool"])
     most = head["height"] * head["width"] - 4
     if min(head["height"], head["width"]) < 1 or not 0 <= head["walls"] <= most:
@@ -181,7 +205,31 @@ def parse_stated(text: str, name: str = "list") -> StatedMap:
     numbers = [
         _stated(f"{name}, number {i}", entry, head) for i, entry in enumerate(entries, start=1)
     ]
-    return StatedMap(name, **head, numbers=tuple(numbers))
+    return StatedMap(**head, numbers=tuple(numbers), source=name)
+
+
+def _like(name: str, head: dict[str, Any], like: Any, entries: Any) -> StatedMap:
+    """A list that has all of a built-in one, and more."""
+    if set(head) - {"like", "name"} or like not in stated_names() or not _are_tables(entries):
+        raise ValueError(
+            f"{name}: [map] is like {like!r}; name one of {', '.join(stated_names())}, leave all "
+            f"else but the name to that list, and give a [[number]] for each further number"
+        )
+    first = load_stated(like)
+    more = [
+        _stated(f"{name}, number {i}", entry, {"tool": first.tool})
+        for i, entry in enumerate(entries, start=1)
+    ]
+    called = _called(name, head.get("name", first.name))
+    return replace(first, name=called, numbers=(*first.numbers, *more), source=name)
+
+
+def _called(name: str, wanted: Any) -> str:
+    if not isinstance(wanted, str) or not _NAME.fullmatch(wanted):
+        raise ValueError(
+            f"{name}: [map] has the name {wanted!r}; give letters, digits, '-' and '_'"
+        )
+    return wanted
 
 
 def _are_tables(entries: Any) -> TypeGuard[list[dict[str, Any]]]:

@@ -14,7 +14,17 @@ _GROUND = f"; {FLOOR} floor and {WALL} walls"
 
 
 def described(world: World) -> dict[str, Any]:
-    """A world as the page has it."""
+    """A world as the page has it.
+
+    Raises:
+        ValueError: a tool's rules are read in another way, which the page has nothing to draw with.
+    """
+    for tool in world.tools:
+        if tool.reading.words:
+            raise ValueError(
+                f"{world.name}: the page has rules 3 to 5 as Habilis reads them, and no "
+                f"{tool.reading.words!r}; leave that out above the map"
+            )
     rows = [
         "".join(WALL if (row, column) in world.walls else FLOOR for column in range(world.width))
         for row in range(world.height)

@@ -86,9 +86,10 @@ class _Characters:
 
 
 def _tool_binding(character: str, usual: str, tool: PlacedTool) -> str:
-    if character == usual and not tool.slip:
-        return binding(character, tool.kind)
-    return _bound(character, f"{tool.kind} slip {_exactly(tool.slip)}" if tool.slip else tool.kind)
+    kind = f"{tool.kind} {tool.reading.words}".rstrip()
+    if character == usual and kind == tool.kind and not tool.slip:
+        return binding(character, kind)
+    return _bound(character, f"{kind} slip {_exactly(tool.slip)}" if tool.slip else kind)
 
 
 def _exactly(slip: float) -> str:

@@ -11,7 +11,7 @@ from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL, ch
 from habilis.worlds.map_text import Header, Lines, header, map_lines
 from habilis.worlds.own_tools import beside, is_own, tool_named
 from habilis.worlds.things import CAN, OBJECTS, Cell, PlacedObject, PlacedTool
-from habilis.worlds.tools import TOOLS, UNBOUND
+from habilis.worlds.tools import TOOLS, UNBOUND, Reading
 
 _GOAL_OF = re.compile(r"goal of (\S)")
 _SLIP = re.compile(r"(.+?)\s+slip\s+(\S+)")
@@ -25,12 +25,13 @@ class Meaning:
     Attributes:
         role: `AGENT`, `OBJECT`, `GOAL` or `TOOL`.
         kind: of object or tool; of a goal the character of its object, "" if it is not said.
-        slip: of a tool, see `PlacedTool`.
+        slip, reading: of a tool, see `PlacedTool`.
     """
 
     role: str
     kind: str = ""
     slip: float = 0.0
+    reading: Reading = Reading()
 
 
 def parsed(text: str, name: str, folder: Path | None) -> dict[str, Any]:
@@ -74,6 +75,7 @@ def fields_of(tools: Sequence[PlacedTool], objects: Sequence[PlacedObject]) -> d
     if tools:
         tool, *further = tools
         found |= {"tool": tool.kind, "tool_cell": tool.cell, "tool_slip": tool.slip}
+        found["reading"] = tool.reading
         found["more_tools"] = tuple(further)
     return found
 
@@ -125,6 +127,7 @@ def _meaning(character: str, said: str, folder: Path | None) -> Meaning:
         )
     check_free(character)
     kind, slip = (said, 0.0) if slipping is None else (slipping[1], _probability(slipping[2]))
+    kind, reading = Reading.of(kind)
     kind = kind if folder is None else beside(folder, kind)
     if kind not in TOOLS and not is_own(kind):
         raise ValueError(
@@ -133,7 +136,7 @@ def _meaning(character: str, said: str, folder: Path | None) -> Meaning:
             f"({', '.join(OBJECTS)}) or a goal, as in 'H = goal of C'"
         )
     tool_named(kind)
-    return Meaning(TOOL, kind, slip)
+    return Meaning(TOOL, kind, slip, reading)
 
 
 def _probability(said: str) -> float:
@@ -217,6 +220,7 @@ def _tools(marks: dict[str, Cell], meanings: dict[str, Meaning]) -> tuple[Placed
     tools = [mark for mark in marks if meanings[mark].role == TOOL]
     names = numbered([meanings[mark].kind for mark in tools])
     return tuple(
-        PlacedTool(called, meanings[mark].kind, marks[mark], meanings[mark].slip)
+        PlacedTool(called, said.kind, marks[mark], said.slip, reading=said.reading)
         for called, mark in zip(names, tools, strict=True)
+        for said in (meanings[mark],)
     )

@@ -1,6 +1,7 @@
 """The rule that moves things, written once, over arrays of placements."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import combinations
 from typing import Any
 
@@ -9,7 +10,7 @@ from jaxtyping import Bool
 
 from habilis.worlds.answers import NEAR, answers
 from habilis.worlds.things import OBJECTS, ObjectKind
-from habilis.worlds.tools import Cells, Flags, Tool
+from habilis.worlds.tools import Cells, Flags, Reading, Tool
 from habilis.worlds.world import Cell, World
 
 MOVES = ("north", "east", "south", "west")
@@ -19,6 +20,10 @@ DROP, DROP_NAME = len(ACTIONS), "drop"
 """The action that puts the tool down, in worlds that have it."""
 NONE = -1
 """Stands for no tool, where one is told by its place among them."""
+
+_SIDES: tuple[Cell, ...] = ((-1, 0), (0, 1), (1, 0), (0, -1))
+Way = tuple[tuple[Cell, ...], tuple[tuple[Cell, tuple[Cell, ...]], ...]]
+"""Cells that a tool crosses, and for each cell of what it may hold the cells that this crosses."""
 
 BORDER = NEAR
 """Cells around the map, and how far at most from agent, tool or its own cell an object lands: so
@@ -88,10 +93,12 @@ class Kinds:
 
     tools: tuple[Tool, ...]
     objects: tuple[ObjectKind, ...]
+    readings: tuple[Reading, ...]
 
     @classmethod
     def of(cls, world: World) -> "Kinds":
-        return cls(world.rules, tuple(OBJECTS[thing.kind] for thing in world.objects))
+        objects = tuple(OBJECTS[thing.kind] for thing in world.objects)
+        return cls(world.rules, objects, tuple(tool.reading for tool in world.tools))
 
 
 @dataclass(frozen=True)
@@ -172,6 +179,8 @@ def successor(grid: Grid, kinds: Kinds, action: int, at: Places, works: bool = T
     objects = [_moved(grid, kinds, action, at, to, one, works) for one in range(len(at.objects))]
     to = replace(to, objects=tuple(objects))
     stays = _clash(grid, to.cells)
+    if not carried:
+        stays |= _stopped(grid, kinds, action, at, works)
     for one, kind in enumerate(kinds.objects):
         if kind.slides:
             objects[one] = _slid(grid, kinds, at, to, one, ~stays)
@@ -211,7 +220,17 @@ def attached(grid: Grid, kinds: Kinds, at: Places, one: int) -> Flags:
             places = at.agent, at.tools[index], at.objects[one]
             held = at.held == index
             found = answers(grid, rule, "attached", places, where=held, elsewhere=found)
+            found |= _sideways(grid, kinds, at, index, one)
     return found
+
+
+def _sideways(grid: Grid, kinds: Kinds, at: Places, index: int, one: int) -> Flags | bool:
+    """Whether an object is held that stands beside the tool, not in line with the agent."""
+    if not (kinds.readings[index].sticky and getattr(kinds.tools[index], "holds", False)):
+        return False
+    tool, thing = at.tools[index], at.objects[one]
+    in_line = thing - tool == tool - at.agent
+    return (at.held == index) & grid.adjacent(tool, thing) & ~in_line
 
 
 def _moved(
@@ -229,10 +248,91 @@ def _moved(
         method = "carry" if carried else "swing"
         places, held = (at.agent, at.tools[index], thing), at.held == index
         new = answers(grid, rule, method, places, step, where=held, elsewhere=new, seen=seen)
+        beside = _sideways(grid, kinds, at, index, one)
+        if np.any(beside):
+            with_it = thing + step if carried else _turned(at, index, one, step)
+            new = np.where(beside, with_it, new)
     if not kinds.objects[one].pulled:
         pushed = (new == thing + step) & _is_ahead(grid, at.agent, thing, step)
         new = np.where(carried & pushed & ~_held_fast(grid, kinds, at, one), new, thing)
+    for tool, reading in zip(to.tools if works else (), kinds.readings, strict=False):
+        if reading.pushes if carried else reading.shoves:
+            # What is held has gone elsewhere by now, and a tool that lies cannot meet anything.
+            new = np.where((tool == thing) & (new == thing), thing + step, new)
     return np.where(to.agent == thing, thing + step, new) if carried else new
+
+
+def _turned(at: Places, index: int, one: int, step: int) -> Cells:
+    """Where an object that is held beside a tool goes when that is put on a side of the agent."""
+    arm = at.tools[index] - at.agent
+    off = at.objects[one] - at.tools[index]
+    quarter = at.agent + step + np.where(step == off, -arm, arm)
+    quarter = np.where(step == arm, at.objects[one], quarter)
+    return np.where(step == -arm, at.agent - arm - off, quarter)
+
+
+def _stopped(grid: Grid, kinds: Kinds, action: int, at: Places, works: bool) -> Flags:
+    """Whether a wall is in the way of a tool that is put on a side, or of what it holds.
+
+    A tool that comes to the opposite side may go either way round.
+    """
+    found = np.zeros(at.held.shape, bool)
+    sweeping = [index for index, reading in enumerate(kinds.readings) if reading.sweeps]
+    objects = range(len(at.objects)) if works and sweeping else ()
+    held = [attached(grid, kinds, at, one) for one in objects]
+    for index in sweeping:
+        for arm, step in enumerate(grid.steps):
+            turning = (at.held == index) & (at.tools[index] == at.agent + step)
+            free = np.zeros(at.held.shape, bool)
+            for cells, with_it in ways_round(arm, action % len(MOVES)):
+                hit = _any_wall(grid, at.agent, cells)
+                for one, is_held in zip(objects, held, strict=True):
+                    for (row, column), more in with_it:
+                        there = at.objects[one] == at.agent + row * grid.stride + column
+                        hit |= is_held & there & _any_wall(grid, at.agent, more)
+                free |= ~hit
+            found |= turning & ~free
+    return found
+
+
+def _any_wall(grid: Grid, agent: Cells, offsets: tuple[Cell, ...]) -> Flags:
+    found = np.zeros(agent.shape, bool)
+    for row, column in offsets:
+        found |= grid.wall[agent + row * grid.stride + column]
+    return found
+
+
+@lru_cache
+def ways_round(arm: int, side: int) -> tuple[Way, ...]:
+    """The ways in which a tool comes from one side of the agent to another, turning about it.
+
+    Args:
+        arm, side: from where and to where: 0 to 3 for north, east, south, west.
+
+    Returns:
+        One way, or two to the opposite side. Of each the cells, from the agent's, whose squares the
+        middle of the tool crosses; and with every cell in which something may be that is held,
+        those whose squares its middle crosses then.
+    """
+    row, column = _SIDES[arm]
+    beside = [(row + r, column + c) for r, c in _SIDES if abs(r) != abs(row)]
+    quarters = (side - arm + 1) % 4 - 1
+    return tuple(
+        (
+            _arc((row, column), turn),
+            tuple((off, _arc(off, turn)) for off in ((2 * row, 2 * column), *beside)),
+        )
+        for turn in ((2, -2) if quarters == 2 else (quarters,))
+    )
+
+
+def _arc(off: Cell, quarters: int) -> tuple[Cell, ...]:
+    """The cells whose squares a point crosses that turns clockwise about the agent."""
+    angles = np.linspace(0, quarters * np.pi / 2, 1 + 90 * abs(quarters))
+    rows = off[0] * np.cos(angles) + off[1] * np.sin(angles)
+    columns = off[1] * np.cos(angles) - off[0] * np.sin(angles)
+    points = np.rint(np.stack([rows, columns], axis=1)).astype(int)
+    return tuple(dict.fromkeys((int(row), int(column)) for row, column in points))
 
 
 def _held_fast(grid: Grid, kinds: Kinds, at: Places, one: int) -> Flags:

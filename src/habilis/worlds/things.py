@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from habilis.worlds.own_tools import is_in_file, is_own, located, tool_named
-from habilis.worlds.tools import Tool
+from habilis.worlds.tools import Reading, Tool
 
 Cell = tuple[int, int]
 """(row, column), row 0 at the top."""
@@ -60,6 +60,7 @@ class PlacedTool:
         cell: where it lies.
         slip: the probability that what it does to objects fails.
         own: a tool of one's own; found by its kind, unless it is given.
+        reading: of the rules by which it moves.
     """
 
     name: str
@@ -67,6 +68,7 @@ class PlacedTool:
     cell: Cell
     slip: float = 0.0
     own: Tool | None = field(default=None, repr=False, hash=False)
+    reading: Reading = Reading()
 
     def __post_init__(self) -> None:
         """Finds one's own tool: what it does stays the same, whatever becomes of its file."""
@@ -90,9 +92,11 @@ class PlacedTool:
         """A file with a tool is run anew elsewhere: its module cannot be imported by name."""
         values = self.name, self.kind, self.cell, self.slip
         if self.own is None or not is_in_file(self.kind):
-            return PlacedTool, (*values, self.own)
-        return _placed_tool, (*values, located(self.kind))
+            return PlacedTool, (*values, self.own, self.reading)
+        return _placed_tool, (*values, located(self.kind), self.reading)
 
 
-def _placed_tool(name: str, kind: str, cell: Cell, slip: float, place: str) -> PlacedTool:
-    return PlacedTool(name, kind, cell, slip, tool_named(place))
+def _placed_tool(
+    name: str, kind: str, cell: Cell, slip: float, place: str, reading: Reading
+) -> PlacedTool:
+    return PlacedTool(name, kind, cell, slip, tool_named(place), reading)

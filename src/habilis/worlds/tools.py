@@ -11,6 +11,7 @@ The picker and the broom are written against the same point as a tool of one's o
 `own_tools.py` finds and `check_tool.py` looks over.
 """
 
+from dataclasses import dataclass, fields
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -97,6 +98,7 @@ class Picker:
 
     character = "P"
     drawing = SHAPES["picker"]
+    holds = True
 
     def attached(self, agent: Cells, tool: Cells, thing: Cells) -> Flags:
         return thing - tool == tool - agent
@@ -184,6 +186,50 @@ class Magnet:
         self, agent: Cells, tool: Cells, thing: Cells, step: int, seen: Cells | None = None
     ) -> Cells:
         return np.where((thing == seen) & (thing != agent + 2 * step), thing - step, thing)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How rules 3 to 5 are read where the paper leaves them open; as `Reading()`, our reading.
+
+    It is a property of a tool on a map and stands there in words, as in `P = picker pushes`. What
+    these words do is the same for every tool, and stands in `rules.py`.
+
+    Attributes:
+        pushes: rule 3: a tool that is carried into an object it does not hold pushes it; if not,
+            it is blocked, unless it is a tool that pushes anyway.
+        shoves: rule 5: a tool that is put into the cell of an object it does not hold pushes it
+            away from the agent; if not, it is blocked.
+        sweeps: rule 5: all cells over which the tool, and an object that it holds, turn on their
+            way must be free of walls; if not, they are there in an instant.
+        sticky: rule 4: a tool that holds objects holds those beside it, too; if not, only one in
+            line with the agent.
+
+    Example:
+        >>> Reading(pushes=True, sweeps=True).words
+        'pushes sweeps'
+        >>> Reading.of("picker pushes")
+        ('picker', Reading(pushes=True, shoves=False, sweeps=False, sticky=False))
+    """
+
+    pushes: bool = False
+    shoves: bool = False
+    sweeps: bool = False
+    sticky: bool = False
+
+    @property
+    def words(self) -> str:
+        """Those that stand for it, in order; "" for our reading."""
+        return " ".join(one.name for one in fields(self) if getattr(self, one.name))
+
+    @classmethod
+    def of(cls, said: str) -> "tuple[str, Reading]":
+        """What comes before the words at the end of a text, and what these stand for."""
+        known, found = {one.name for one in fields(cls)}, set()
+        while (word := said.rpartition(" ")[2]) in known and " " in said:
+            found.add(word)
+            said = said.rpartition(" ")[0].rstrip()
+        return said, cls(**dict.fromkeys(found, True))
 
 
 TOOLS: dict[str, Tool] = {

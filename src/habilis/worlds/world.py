@@ -12,7 +12,7 @@ from habilis.worlds.own_tools import as_tool, is_in_file, is_own, located, tool_
 from habilis.worlds.parsing import numbered, parsed
 from habilis.worlds.things import CAN, PlacedObject, PlacedTool
 from habilis.worlds.things import Cell as Cell
-from habilis.worlds.tools import Tool, name_of
+from habilis.worlds.tools import Reading, Tool, name_of
 
 NO_TOOL = "none"
 ENVIRONMENT = "gym:"
@@ -35,6 +35,7 @@ class World:
             it is given by `with_tool`; under another name it is dropped.
         object_kind: the kind of the object ("can", "ball", "crate").
         tool_slip: the probability that what the tool does to objects fails.
+        reading: of the rules by which the tool moves, and any other that takes its place.
         more_tools, more_objects: the others of a map with several; `tools` and `objects` are all.
         drop: whether there is a ninth action, which puts the tool in hand down.
         held: which of `tools` is in hand at the start, -1 for none; `None`: the first beside the
@@ -57,6 +58,7 @@ class World:
     more_objects: tuple[PlacedObject, ...] = ()
     drop: bool = False
     held: int | None = None
+    reading: Reading = Reading()
 
     def __post_init__(self) -> None:
         """Finds its own tool, refuses things that are not on free cells or are on each other.
@@ -96,8 +98,9 @@ class World:
         r"""Reads a map: one character a cell, lines starting with `;` are comments.
 
         Above the map, lines bind characters: `R = rake` to a tool, `R = mytools.py:Rake` to one of
-        one's own, `P = picker slip 0.2` to one that may fail, `D = ball` to an object, `H = goal of
-        D` to its goal. `drop: true` adds the action that puts a tool down.
+        one's own, `P = picker slip 0.2` to one that may fail, `P = picker pushes` to one under
+        another `Reading` of the rules, `D = ball` to an object, `H = goal of D` to its goal.
+        `drop: true` adds the action that puts a tool down.
 
         Args:
             text: `#` wall, `.` floor, `A` agent, `P` picker, `B` broom, `C` can, `G` goal, and what
@@ -143,6 +146,8 @@ class World:
     def with_tool(self, tool: str | Tool | type | PlacedTool) -> "World":
         """The same map with another tool in the place of its own ("none" leaves plain floor).
 
+        What the map says of the rules (`reading`) holds for the other tool, too.
+
         Args:
             tool: the name of one (of one's own: "mytools.py:Rake" or "package.module:Rake"), the
                 tool itself or its class, or one of the world's `tools`, which then is alone.
@@ -160,6 +165,7 @@ class World:
                 own=None if tool.own is None else (tool.kind, tool.own),
                 tool_cell=tool.cell,
                 tool_slip=tool.slip,
+                reading=tool.reading,
                 drop=self.drop,
             )
         if not isinstance(tool, str):
@@ -171,6 +177,7 @@ class World:
         changed: dict[str, Any] = {"tool": tool, "own": None, "tool_slip": 0.0, "more_tools": ()}
         if there is not None:
             changed |= {"tool_cell": there.cell, "tool_slip": there.slip}
+            changed["reading"] = there.reading
         changed["held"] = None
         return replace(self, **changed, drop=self.drop and tool != NO_TOOL)
 
@@ -211,7 +218,9 @@ class World:
         kinds = [self.tool, *(tool.kind for tool in self.more_tools)]
         own = None if self.own is None else self.own[1]
         name = numbered(kinds)[0]
-        first = PlacedTool(name, self.tool, self.tool_cell, self.tool_slip, own)
+        first = PlacedTool(
+            name, self.tool, self.tool_cell, self.tool_slip, own, reading=self.reading
+        )
         return first, *self.more_tools
 
     @property

@@ -94,7 +94,10 @@ WORLDS = (
     ("yard", "picker", ("TOE",)),
     ("yard", "broom", ("TOE",)),
 )
-"""Each world and tool of the paper, and with which rewards it is learned."""
+"""Each world and tool of the paper, and with which rewards it is learned. These are the first two
+worlds that were found, and `FOUND` how many others there were of each: what was trained is checked
+in, and stays of these, whichever pair the reproduction uses now."""
+FOUND = {"corridor": 8, "yard": 6}
 
 
 def agents(maps: dict[str, Path]) -> list[Agent]:
@@ -139,9 +142,9 @@ def _shapings() -> Iterator[Agent]:
 def paper_rows() -> Iterator[tuple[str, str, str, int, float]]:
     """World, tool, reward, horizon and beta of every row of the paper's tables."""
     names = {sensor: reward for reward, sensor in SENSORS.items()}
-    for experiment in EXPERIMENTS:
+    for experiment, world in zip(EXPERIMENTS, FOUND, strict=True):
         for row in experiment.rows:
-            yield experiment.world, row.tool, names[row.intrinsic], row.horizon, row.beta
+            yield world, row.tool, names[row.intrinsic], row.horizon, row.beta
 
 
 def _agent(
@@ -171,6 +174,7 @@ def _agent(
 
 
 def all_maps() -> dict[str, Path]:
-    """The built-in worlds and all reconstructions that are checked in, by name."""
-    found = {path.stem: path for path in sorted(MAPS.glob("*.txt"))}
+    """The built-in worlds and the reconstructions that are trained on, by name."""
+    names = [f"{world}-{n:02}" for world, count in FOUND.items() for n in range(1, count + 1)]
+    found = {name: MAPS / f"{name}.txt" for name in names}
     return {world: BUILTIN / f"{world}.txt" for world, *_ in WORLDS} | found

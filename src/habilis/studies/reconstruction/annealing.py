@@ -1,7 +1,7 @@
 """Simulated annealing over walls and start cells (Kirkpatrick, Gelatt and Vecchi 1983)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log
 from random import Random
 
@@ -56,7 +56,8 @@ def anneal(
         The first map that meets all numbers (energy 0) and is wanted, and True; or else the best
         that was met, and False.
     """
-    here = weigh(random_map(stated, random) if begin is None else begin, stated.numbers)
+    first = replace(random_map(stated, random) if begin is None else begin, reading=stated.reading)
+    here = weigh(first, stated.numbers, over=stated.over)
     assert here is not None, "there was no limit"
     best = here
     for change in range(schedule.changes):
@@ -64,7 +65,8 @@ def anneal(
             return here, True
         # Drawn before the energy is known, so that its computation can be cut short.
         rise = -schedule.temperature(change) * log(1 - random.random())
-        there = weigh(neighbour(here.world, random), stated.numbers, here.energy + rise, here)
+        world, limit = neighbour(here.world, random), here.energy + rise
+        there = weigh(world, stated.numbers, limit, here, stated.over)
         if there is not None:
             here = there
             best = min(best, here, key=lambda weighed: weighed.energy)

@@ -11,9 +11,10 @@ from habilis.files import check_folder, save_whole, writing
 from habilis.studies.numbers import Number
 from habilis.studies.reconstruction.annealing import Schedule
 from habilis.studies.reconstruction.search import Report, attempts
-from habilis.studies.scenes import Scene
+from habilis.studies.scenes import OVER, Scene
 from habilis.studies.stated import StatedMap, load_stated
 from habilis.worlds.characters import COMMENT
+from habilis.worlds.tools import Reading
 from habilis.worlds.world import World, load_world, world_names
 
 
@@ -23,25 +24,28 @@ def reconstruct(args: Namespace) -> int:
     Returns:
         The exit status: 0 if there are as many maps as asked for, 1 if not.
     """
-    stated = load_stated(args.stated)
+    stated = _read_so(load_stated(args.stated), args)
     for name in ("count", "attempts", "changes"):
         if getattr(args, name) < 1:
             raise ValueError(f"--{name} is {getattr(args, name)}; give 1 or more")
     if not args.hot > Schedule.cold:
         raise ValueError(f"--hot is {args.hot:g}; give more than {Schedule.cold:g}")
-    known = [load_world(stated.name)] if stated.name in world_names() else []
+    built_in = (name for name in world_names() if f"{name}-".startswith(f"{stated.name}-"))
+    earlier = {} if args.after is None else _maps_in(args.after, stated)
+    known = [*map(load_world, built_in), *earlier.values()]
+    first = max(earlier, default=0) + 1
     begin = None if args.begin is None else _beginning(stated, args.begin)
     schedule = Schedule(args.changes, args.hot)
     if args.out is not None:
-        _make_room(args.out, stated, args.count)
+        _make_room(args.out, stated, range(first, first + args.count))
     maps: list[dict] = []
     nearest, report, began = None, _reporter(), time.perf_counter()
     for attempt in attempts(stated, args.seed, known, begin, schedule, report):
         if nearest is None or attempt.best.energy < nearest.energy:
             nearest = attempt.best
         if attempt.found:
-            world = replace(attempt.best.world, name=f"{stated.name}-{len(maps) + 1:02}")
-            numbers = [Number.of(Scene(world), number) for number in stated.numbers]
+            world = replace(attempt.best.world, name=_name(stated, first + len(maps)))
+            numbers = [Number.of(Scene(world, stated.over), number) for number in stated.numbers]
             maps.append(
                 {
                     "name": world.name,
@@ -60,7 +64,7 @@ def reconstruct(args: Namespace) -> int:
             break
     report("")
     if args.json:
-        print(json.dumps({"stated": stated.name, "seed": args.seed, "maps": maps}))
+        print(json.dumps({"stated": stated.source, "seed": args.seed, "maps": maps}))
     if len(maps) == args.count:
         return 0
     assert nearest is not None, "there was an attempt"
@@ -72,6 +76,16 @@ def reconstruct(args: Namespace) -> int:
         file=sys.stderr,
     )
     return 1
+
+
+def _read_so(stated: StatedMap, args: Namespace) -> StatedMap:
+    """The list under the reading of the rules, and of averages, that is asked for."""
+    unknown, reading = Reading.of(f" {args.reading or ''}".rstrip())
+    if unknown.strip():
+        raise ValueError(
+            f"--reading is {args.reading!r}; give some of {Reading(*[True] * 4).words}, or nothing"
+        )
+    return replace(stated, reading=reading, over=args.over)
 
 
 def _beginning(stated: StatedMap, name: str) -> World:
@@ -86,24 +100,44 @@ def _beginning(stated: StatedMap, name: str) -> World:
     return replace(world, name=stated.name)
 
 
-def _make_room(folder: Path, stated: StatedMap, count: int) -> None:
+def _maps_in(folder: Path, stated: StatedMap) -> dict[int, World]:
+    """The maps of earlier searches in a folder, by their numbers."""
+    if not folder.is_dir():
+        raise ValueError(f"{folder}: no such folder; name one with maps of earlier searches")
+    found = {}
+    for path in sorted(folder.glob(f"{stated.name}-*.txt")):
+        number = path.stem.removeprefix(f"{stated.name}-")
+        if number.isdecimal():
+            found[int(number)] = load_world(path)
+    return found
+
+
+def _make_room(folder: Path, stated: StatedMap, numbers: range) -> None:
     """Refuses a folder in which something would be overwritten, before anything is searched."""
-    taken = [path for n in range(1, count + 1) if (path := _path(folder, stated, n)).exists()]
+    taken = [path for n in numbers if (path := _path(folder, stated, n)).exists()]
     if taken:
         raise ValueError(f"{taken[0]}: exists; name another folder, or remove it")
     check_folder(folder)
 
 
+def _name(stated: StatedMap, number: int) -> str:
+    return f"{stated.name}-{number:02}"
+
+
 def _path(folder: Path, stated: StatedMap, number: int) -> Path:
-    return folder / f"{stated.name}-{number:02}.txt"
+    return folder / f"{_name(stated, number)}.txt"
 
 
 def _write(args: Namespace, world: World, stated: StatedMap, attempt: int) -> None:
     lines = (
         f"Reconstructed, not the authors' map: attempt {attempt} of",
-        f"habilis reconstruct {stated.name} --seed {args.seed} --changes {args.changes} "
-        f"--hot {args.hot:g}" + (f" --from {args.begin}" if args.begin else ""),
-        f"Meets all {len(stated.numbers)} stated numbers of {stated.name}.toml.",
+        f"habilis reconstruct {stated.source} --seed {args.seed} --changes {args.changes} "
+        f"--hot {args.hot:g}"
+        + (f" --from {args.begin}" if args.begin else "")
+        + (f" --after {args.after}" if args.after else "")
+        + (f' --reading "{stated.reading.words}"' if stated.reading.words else "")
+        + (f" --over {stated.over}" if stated.over != OVER[0] else ""),
+        f"Meets all {len(stated.numbers)} stated numbers of {stated.source}.toml.",
     )
     comments = "".join(f"{COMMENT} {line}\n" for line in lines)
     with writing(args.out):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import isfinite, log1p
 
 from habilis.studies.measured import measured
-from habilis.studies.scenes import Scene
+from habilis.studies.scenes import OVER, Scene
 from habilis.studies.stated import Stated
 from habilis.worlds.world import NO_TOOL, World
 
@@ -40,6 +40,7 @@ def weigh(
     numbers: Sequence[Stated],
     limit: float = float("inf"),
     before: Weighed | None = None,
+    over: str = OVER[0],
 ) -> Weighed | None:
     """The energy of a map: the sum over the stated numbers of log(1 + miss in tolerances).
 
@@ -50,15 +51,16 @@ def weigh(
         numbers: what it has to meet.
         limit: the largest energy that is of interest.
         before: another map; what cannot have changed from it is not computed again.
+        over: the states over which averages go, for the other map, too.
 
     Returns:
         `None` above the limit.
     """
-    scene = Scene(world)
+    scene = Scene(world, over)
     parts: dict[int, float] = {}
     if before is not None:
         changed = {name for name in ("walls", *_THINGS) if _differ(world, before.world, name)}
-        parts = {i: before.parts[i] for i, s in enumerate(numbers) if not changed & looks_at(s)}
+        parts = {i: before.parts[i] for i, s in enumerate(numbers) if not changed & looks_at(s, over)}
         if not changed & {"walls", "tool_cell"}:
             scene = before.scene.restarted(world)
     total = sum(parts.values())
@@ -71,14 +73,19 @@ def weigh(
     return weighed if weighed.energy <= limit else None
 
 
-def looks_at(stated: Stated) -> frozenset[str]:
-    """The fields of a world that a stated number depends on."""
+def looks_at(stated: Stated, over: str = OVER[0]) -> frozenset[str]:
+    """The fields of a world that a stated number depends on, averages going over some states."""
     if stated.kind == "apart":
-        return frozenset({"agent", "tool_cell"})
-    if stated.kind == "average" or stated.placed:
+        return frozenset({stated.of, "tool_cell"})
+    if stated.kind == "average":
+        everything = {"walls", "agent", "object", "tool_cell"}
+        seen = {"equipped": {"walls"}, "all": {"walls", "tool_cell"}, "reachable": everything}
+        return frozenset(seen[over])
+    if stated.placed:
         return frozenset({"walls"})
     if stated.kind == "landscape":
-        return frozenset({"walls", "tool_cell", "object"})
+        around = {"goal"} if stated.around == "goal" else set()
+        return frozenset({"walls", "tool_cell", "object"} | around)
     return frozenset({"walls", *_THINGS} - ({"tool_cell"} if stated.tool == NO_TOOL else set()))
 
 
