@@ -16,7 +16,7 @@ from habilis.files import check_folder
 from habilis.learning.display import progress_bars
 from habilis.learning.train import train
 from habilis.studies import figures
-from habilis.studies.learned import learned_relations
+from habilis.studies.learned import learned_claims
 from habilis.studies.numbers import published_numbers
 from habilis.studies.outcome import Reproduction
 from habilis.studies.published import EXPERIMENTS
@@ -70,7 +70,7 @@ def reproduce(
         folder=out,
         numbers=numbers,
         relations=relations,
-        learned=learned_relations(results),
+        learned=learned_claims(results),
         results=results,
         budget=budget,
         quick=quick,

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 import polars as pl
-from scipy.stats import mannwhitneyu, rankdata, ttest_ind, ttest_ind_from_stats
+from scipy.stats import ttest_ind, ttest_ind_from_stats
 
 from habilis.learning.runs import Run
 from habilis.studies.published import RUNS, Experiment, Row
+from habilis.studies.verdicts import Outcome, outcome_of, verdict_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,14 +68,6 @@ class Result:
         return self.mean / to.mean
 
 
-class Outcome(StrEnum):
-    """What our runs say of an order of the paper's."""
-
-    HOLDS = "holds"
-    OPPOSITE = "opposite"
-    UNDECIDED = "undecided"
-
-
 @dataclass(frozen=True)
 class Comparison:
     """Two rows of a table held against each other.
@@ -83,13 +75,15 @@ class Comparison:
     Attributes:
         faster, slower: labels of the row that is the faster and the slower one in the paper.
         published_ratio, ours_ratio: episodes of the first over episodes of the second.
-        published_p, ours_p: two-sided p-values of Welch's unequal-variances t-test.
-        complete: whether all our runs converged. If not, means are lower bounds, ratio and
-            Welch's test say nothing, and ranks decide.
-        rank_p: two-sided p-value of Mann and Whitney's test, for which it is enough to know that
-            a run that was given up would have taken longer.
-        faster_first: whether our runs of the first row come before those of the second, by
-            their means, or by their ranks where runs were given up.
+        published_p: two-sided p-value of Welch's unequal-variances t-test, of the published means
+            and deviations.
+        ours_p: of the same test on our runs. It does not decide, and says nothing where not all
+            runs converged.
+        complete: whether all our runs converged. If not, means are lower bounds, and the ratio
+            says nothing.
+        superiority: how often a run of the first row comes before one of the second.
+        rank_p: two-sided p-value of Mann and Whitney's test, which decides: for ranks it is enough
+            to know that a run that was given up would have taken longer.
     """
 
     faster: str
@@ -99,20 +93,13 @@ class Comparison:
     published_p: float
     ours_p: float
     complete: bool
+    superiority: float
     rank_p: float
-    faster_first: bool
-
-    @property
-    def p(self) -> float:
-        """Of the test that decides."""
-        return self.ours_p if self.complete else self.rank_p
 
     @property
     def outcome(self) -> Outcome:
-        """Whether our runs show the paper's order, the opposite one, or neither (p = 0.05)."""
-        if not self.p < 0.05:
-            return Outcome.UNDECIDED
-        return Outcome.HOLDS if self.faster_first else Outcome.OPPOSITE
+        """Whether our runs show the paper's order, the opposite one, or neither."""
+        return outcome_of(self.superiority, self.rank_p)
 
     @property
     def verdict(self) -> str:
@@ -122,8 +109,7 @@ class Comparison:
             Outcome.OPPOSITE: "the opposite order",
             Outcome.UNDECIDED: "undecided: not separated",
         }
-        by = "" if self.complete else "by ranks, as runs were given up: "
-        return f"{by}{words[self.outcome]} (p = {self.p:.2g})"
+        return f"{words[self.outcome]} (p = {self.rank_p:.2g})"
 
 
 def comparisons(experiment: Experiment, results: Sequence[Result]) -> list[Comparison]:
@@ -140,8 +126,7 @@ def _compare(fast: Result, slow: Result) -> Comparison:
         *(slow.row.mean, slow.row.deviation, RUNS),
         equal_var=False,
     )
-    complete = fast.all_converged and slow.all_converged
-    below, rank_p = mann_whitney(fast.ranked, slow.ranked)
+    found = verdict_of(fast.ranked, slow.ranked)
     return Comparison(
         faster=fast.row.label,
         slower=slow.row.label,
@@ -149,24 +134,10 @@ def _compare(fast: Result, slow: Result) -> Comparison:
         ours_ratio=fast.ratio(slow),
         published_p=float(published.pvalue),
         ours_p=welch(fast.counts, slow.counts),
-        complete=complete,
-        rank_p=rank_p,
-        faster_first=fast.mean < slow.mean if complete else below > 0.5,
+        complete=fast.all_converged and slow.all_converged,
+        superiority=found.superiority,
+        rank_p=found.p,
     )
-
-
-def mann_whitney(a: np.ndarray, b: np.ndarray) -> tuple[float, float]:
-    """How often a value of the first is below one of the second (ties count half), and p.
-
-    p is two-sided, by the normal approximation with ties and continuity corrected; 1 where all
-    values are equal.
-    """
-    below = float((np.less.outer(a, b) + 0.5 * np.equal.outer(a, b)).mean())
-    ranks = rankdata(np.concatenate([a, b]))
-    if np.ptp(ranks) == 0:
-        return below, 1.0
-    test = mannwhitneyu(ranks[: len(a)], ranks[len(a) :], method="asymptotic")
-    return below, float(test.pvalue)
 
 
 def welch(a: np.ndarray, b: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from habilis.learning.intervals import bootstrap_interval, interquartile_mean
-from habilis.studies.tables import Outcome
+from habilis.studies.verdicts import Outcome
 
 HOLDS, UNDECIDED, OPPOSITE = "#0072b2", "#d9dde3", "#d55e00"  # Okabe and Ito
 _OUTCOMES = {Outcome.HOLDS: HOLDS, Outcome.UNDECIDED: UNDECIDED, Outcome.OPPOSITE: OPPOSITE}
