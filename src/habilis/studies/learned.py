@@ -7,8 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from habilis.studies.curves import Curves, attached_share, equipped_share
-from habilis.studies.published import EXPERIMENTS
-from habilis.studies.tables import Result, comparisons
+from habilis.studies.pace.data import Learner
+from habilis.studies.pace.ratios import Ratio, ratio_over
+from habilis.studies.published import EXPERIMENTS, Experiment
+from habilis.studies.tables import Comparison, Result, comparisons
 from habilis.studies.verdicts import Outcome, verdict_of
 
 EARLY = 1_000
@@ -38,29 +40,52 @@ class Claim:
         text: the statement, in our words.
         outcome: whether it holds here, is undecided, or comes out the other way round.
         found: with figures.
+        ensemble: the outcome over an ensemble of learners and maps, for orders of rows; `None`
+            without one.
     """
 
     section: str
     text: str
     outcome: Outcome
     found: str
+    ensemble: Outcome | None = None
 
 
-def learned_claims(results: Results) -> list[Claim]:
-    """The stated orders of the tables' rows, and what Figure 2 is said to show."""
+def learned_claims(results: Results, ensemble: Sequence[Learner] = ()) -> list[Claim]:
+    """The stated orders of the tables' rows, and what Figure 2 is said to show.
+
+    Args:
+        results: of the reproduction's learner, by the experiment's name.
+        ensemble: other learners, by which the orders are looked at too.
+    """
     orders = [
         Claim(
             "IV-B.1" if experiment.name == "table1" else "IV-C.1",
             f"{experiment.title}: “{c.faster}” converges before “{c.slower}”",
             c.outcome,
             f"{c.verdict}; {f'ratio {c.ours_ratio:.2f}, ' if c.complete else ''}"
-            f"the paper's ratio {c.published_ratio:.2f} (p = {c.published_p:.2g})",
+            f"the paper's ratio {c.published_ratio:.2f} (p = {c.published_p:.2g})"
+            f"{_in_words(over)}",
+            None if over is None else over.outcome,
         )
         for experiment in EXPERIMENTS
         for c in comparisons(experiment, results[experiment.name])
         if (c.faster, c.slower) in STATED
+        for over in [_over(ensemble, experiment, c)]
     ]
     return orders + _figure_2(results["table1"])
+
+
+def _over(ensemble: Sequence[Learner], experiment: Experiment, order: Comparison) -> Ratio | None:
+    rows = {row.label: row for row in experiment.rows}
+    return ratio_over(ensemble, experiment, rows[order.faster], rows[order.slower])
+
+
+def _in_words(ratio: Ratio | None) -> str:
+    if ratio is None:
+        return ""
+    interval = f"{ratio.middle:.2f} [{ratio.low:.2f}, {ratio.high:.2f}]"
+    return f"; in the ensemble {interval}: {ratio.outcome.value}"
 
 
 def _figure_2(first: Sequence[Result]) -> list[Claim]:

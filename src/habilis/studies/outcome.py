@@ -1,17 +1,21 @@
 """What a reproduction found."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from habilis.studies.learned import Claim
 from habilis.studies.numbers import Number
+from habilis.studies.pace.data import MEASURES, Pace
+from habilis.studies.pace.slowness import Association, association
 from habilis.studies.published import EXPERIMENTS
 from habilis.studies.relations import Relation
-from habilis.studies.settings import frozen_settings
+from habilis.studies.settings import learner_settings
 from habilis.studies.tables import Result, comparisons, table
 from habilis.studies.verdicts import in_words, tally
+from habilis.worlds.world import World
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +28,7 @@ class Reproduction:
         relations: what the paper states about its worlds.
         learned: what the paper states about its learning agents.
         results: the rows of each table, by the experiment's name.
+        pace: what was calibrated and trained before, at the paper's pace.
         budget: of each run.
         quick: whether the budget was the small one.
         seconds: how long it took.
@@ -34,6 +39,7 @@ class Reproduction:
     relations: list[Relation]
     learned: list[Claim]
     results: dict[str, list[Result]]
+    pace: Pace
     budget: dict[str, Any]
     quick: bool
     seconds: float
@@ -42,6 +48,24 @@ class Reproduction:
     def verdicts(self) -> dict[str, int]:
         """How many statements about the agents hold, are undecided, come out the other way."""
         return tally(claim.outcome for claim in self.learned)
+
+    @property
+    def ensemble_verdicts(self) -> dict[str, int]:
+        """The same of the orders over the ensemble; all 0 without one."""
+        return tally(claim.ensemble for claim in self.learned if claim.ensemble is not None)
+
+    @property
+    def other_worlds(self) -> list[World]:
+        """The maps on which the tables' agents acted, unless they are the built-in ones."""
+        worlds = [replace(r.run.world, name=r.map) for r, *_ in self.results.values()]
+        built_in = {e.world for e in EXPERIMENTS}
+        return [world for world in worlds if world.name not in built_in]
+
+    @cached_property
+    def associations(self) -> list[Association]:
+        """How the ratio of regularised to vanilla goes with slowness, by each measure."""
+        found = [association(self.pace.learners, measure) for measure in MEASURES]
+        return [one for one in found if one is not None]
 
     def summary(self) -> dict[str, Any]:
         """How much agrees, and where the report is."""
@@ -76,14 +100,18 @@ class Reproduction:
             "quick": self.quick,
             "seconds": round(self.seconds, 1),
             "budget": self.budget,
-            "settings": frozen_settings(),
+            "settings": learner_settings(self.pace.best),
             "numbers": [asdict(n) | {"agrees": n.agrees} for n in self.numbers],
             "relations": [asdict(r) for r in self.relations],
             "learned": [asdict(c) for c in self.learned],
             "verdicts": self.verdicts,
+            "ensemble_verdicts": self.ensemble_verdicts,
+            "slowness": [asdict(a) | {"outcome": a.outcome} for a in self.associations],
+            "missing": list(self.pace.missing),
+            "decided_after": list(self.pace.after),
             "tables": {
                 e.name: {
-                    "rows": table(e, self.results[e.name]).to_dicts(),
+                    "rows": table(e, self.results[e.name], self.pace).to_dicts(),
                     "converged_at": {
                         result.row.label: list(result.run.converged_at)
                         for result in self.results[e.name]

@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import polars as pl
 from scipy.stats import ttest_ind, ttest_ind_from_stats
 
 from habilis.learning.runs import Run
+from habilis.studies.pace.data import Learner, Pace
+from habilis.studies.pace.ratios import Ratio, ratio_over
 from habilis.studies.published import RUNS, Experiment, Row
 from habilis.studies.verdicts import Outcome, outcome_of, verdict_of
 
@@ -34,6 +37,11 @@ class Result:
         had = run.episodes.group_by("run").len().sort("run")["len"].to_list()
         counts = [n if at is None else at for at, n in zip(run.converged_at, had, strict=True)]
         return cls(row, run, np.array(counts, float))
+
+    @property
+    def map(self) -> str:
+        """The name of the map, without the folder and suffix of its file."""
+        return Path(self.run.world.name).stem
 
     @property
     def converged(self) -> int:
@@ -161,10 +169,19 @@ def _ratio_is(result: Result, base: Result) -> str:
     return "at most" if result.all_converged else "unknown"
 
 
-def table(experiment: Experiment, results: Sequence[Result]) -> pl.DataFrame:
+def table(
+    experiment: Experiment, results: Sequence[Result], pace: Pace | None = None
+) -> pl.DataFrame:
     """A row for each of the paper's, with ours beside it; ratios are to the vanilla row.
 
-    There is no median where half of the runs or more were given up.
+    There is no median where half of the runs or more were given up. Outcomes are of the statement
+    that a row with a bonus comes before the vanilla one.
+
+    Args:
+        experiment: which table.
+        results: its rows, by the learner of the reproduction.
+        pace: what else was trained: the same with 30 runs ("thirty_..."), and the ratio over an
+            ensemble of learners and maps with its 95 % interval ("ensemble_..."); null without.
     """
     vanilla = {result.row.tool: result for result in results if result.row.vanilla}
     rows = []
@@ -184,6 +201,65 @@ def table(experiment: Experiment, results: Sequence[Result]) -> pl.DataFrame:
                 "runs": len(result.counts),
                 "mean_is_lower_bound": not result.all_converged,
                 "ratio_is": _ratio_is(result, base),
+                "outcome": None if row.vanilla else _compare(result, base).outcome.value,
             }
+            | _thirty(None if pace is None else pace.thirty, experiment, row, base.row)
+            | _ensemble(() if pace is None else pace.ensemble, experiment, row, base.row)
         )
-    return pl.DataFrame(rows, schema_overrides={"ours_median": pl.Float64})
+    return pl.DataFrame(rows, schema_overrides=_MAY_BE_NULL)
+
+
+_MAY_BE_NULL: dict[str, type[pl.DataType]] = {
+    "ours_median": pl.Float64,
+    "outcome": pl.String,
+    **dict.fromkeys(("thirty_mean", "thirty_std", "thirty_ratio"), pl.Float64),
+    **dict.fromkeys(("thirty_converged", "thirty_runs"), pl.Int64),
+    "thirty_outcome": pl.String,
+    **dict.fromkeys(("ensemble_ratio", "ensemble_low", "ensemble_high"), pl.Float64),
+    **dict.fromkeys(("ensemble_pairs", "ensemble_converged", "ensemble_runs"), pl.Int64),
+    "ensemble_outcome": pl.String,
+}
+
+
+def _thirty(
+    learner: Learner | None, experiment: Experiment, row: Row, vanilla: Row
+) -> dict[str, object]:
+    """The columns of more runs by the same learner."""
+    none = dict.fromkeys(name for name in _MAY_BE_NULL if name.startswith("thirty_"))
+    agent = None if learner is None else learner.agent(experiment, row)
+    base = None if learner is None else learner.agent(experiment, vanilla)
+    if agent is None:
+        return none
+    had = agent.budgeted()
+    found = none | {
+        "thirty_mean": float(had.mean()),
+        "thirty_std": float(had.std(ddof=1)) if len(had) > 1 else 0.0,
+        "thirty_converged": agent.came(),
+        "thirty_runs": agent.runs,
+    }
+    if base is None:
+        return found
+    found["thirty_ratio"] = float(had.mean() / base.budgeted().mean())
+    if row != vanilla:
+        sides = (one.counts["convergence"] for one in (agent, base))
+        found["thirty_outcome"] = verdict_of(*sides).outcome.value
+    return found
+
+
+def _ensemble(
+    learners: Sequence[Learner], experiment: Experiment, row: Row, vanilla: Row
+) -> dict[str, object]:
+    """The columns of the ensemble."""
+    none = dict.fromkeys(name for name in _MAY_BE_NULL if name.startswith("ensemble_"))
+    found: Ratio | None = ratio_over(learners, experiment, row, vanilla)
+    if found is None or row == vanilla:
+        return none
+    return {
+        "ensemble_ratio": found.middle,
+        "ensemble_low": found.low,
+        "ensemble_high": found.high,
+        "ensemble_pairs": found.learners,
+        "ensemble_converged": found.converged,
+        "ensemble_runs": found.runs,
+        "ensemble_outcome": found.outcome.value,
+    }
