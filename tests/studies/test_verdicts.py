@@ -7,7 +7,14 @@ import pytest
 from habilis.studies import tables
 from habilis.studies.multiverse import claims
 from habilis.studies.published import EXPERIMENTS
-from habilis.studies.verdicts import Outcome, in_words, mann_whitney, tally, verdict_of
+from habilis.studies.verdicts import (
+    Outcome,
+    in_words,
+    mann_whitney,
+    tally,
+    verdict_of,
+    verdict_over,
+)
 
 
 def test_mann_whitney_is_what_it_says():
@@ -57,6 +64,44 @@ def test_the_report_and_the_multiverse_say_the_same_of_the_same_runs():
 class FakeRun:
     def __init__(self, converged_at):
         self.converged_at = converged_at
+
+
+def test_over_one_setting_the_verdict_is_mann_whitneys_ties_and_runs_given_up_included():
+    random = np.random.default_rng(3)
+    for _ in range(30):
+        a, b = (random.integers(0, 12, size).astype(float) for size in (10, 7))
+        a[a > 10] = np.inf
+        b[b > 9] = np.inf
+        one, over = verdict_of(a, b), verdict_over([(a, b)])
+        assert over.superiority == pytest.approx(one.superiority)
+        assert over.p == pytest.approx(one.p)
+        assert (over.sooner_converged, over.later_converged) == (
+            one.sooner_converged,
+            one.later_converged,
+        )
+
+
+def test_over_several_settings_p_is_that_of_permuting_the_runs_within_each():
+    """Settings differ a hundredfold in pace, which a test of all runs pooled would not survive."""
+    random = np.random.default_rng(1)
+    pairs = [
+        (scale * random.lognormal(-0.25, 0.3, 6), scale * random.lognormal(0, 0.3, 6))
+        for scale in (1, 10, 100)
+    ]
+    found = verdict_over(pairs)
+    drawn = []
+    for _ in range(4000):
+        total = 0.0
+        for a, b in pairs:
+            both = random.permutation(np.concatenate([a, b]))
+            total += mann_whitney(both[:6], both[6:])[0] - 0.5
+        drawn.append(abs(total / 3) >= abs(found.superiority - 0.5) - 1e-12)
+    assert found.p == pytest.approx(np.mean(drawn), abs=0.02)
+
+
+def test_agents_that_never_come_so_far_are_undecided_over_settings_too():
+    never = np.full(5, np.inf)
+    assert verdict_over([(never, never)] * 3).outcome is Outcome.UNDECIDED
 
 
 def test_a_tally_names_all_three_values_even_those_that_do_not_occur():

@@ -13,7 +13,9 @@ def write_pace(folder: Path, ratio: float = 0.8, pairs: int = 5, seed: int = 0) 
     """All files of `data/pace`; regularised agents take `ratio` times the vanilla ones' episodes."""
     random = np.random.default_rng(seed)
     folder.mkdir(parents=True, exist_ok=True)
-    learner = ["setting,optimizer,learning_rate,map,tool,runs,converged,episodes,first_success,steps,had"]
+    learner = [
+        "setting,optimizer,learning_rate,map,tool,runs,converged,episodes,first_success,steps,had"
+    ]
     for setting in range(1, 13):
         for experiment in EXPERIMENTS:
             for row in experiment.rows:

@@ -56,7 +56,7 @@ def returns_axis(ax: Axes, best: float, label: str = "mean return of an episode"
     Args:
         ax: the axes, on which the curves have been plotted.
         best: the best return, above which the axis ends.
-        label: what is shown.
+        label: what is shown; none where it stands at the axes beside.
     """
     ax.set_yscale("symlog", linthresh=1)
     ax.set_ylim(top=0.75 * best)
@@ -64,7 +64,8 @@ def returns_axis(ax: Axes, best: float, label: str = "mean return of an episode"
     ax.yaxis.set_major_locator(FixedLocator([t for t in _RETURNS if low <= t <= high]))
     ax.yaxis.set_minor_locator(NullLocator())
     ax.yaxis.set_major_formatter(lambda value, _: f"{value:,.0f}".replace("-", "−"))
-    ax.set_ylabel(f"{label} (reward −1 a step)", fontsize=LABEL_SIZE)
+    if label:
+        ax.set_ylabel(f"{label} (reward −1 a step)", fontsize=LABEL_SIZE)
     ax.tick_params(axis="y", labelsize=TICK_SIZE)
 
 

@@ -61,7 +61,9 @@ def figure_1() -> Figure:
         "broom,\ncan beside it": _BESIDE.format(tool="B"),
         "broom,\ncan in line": _IN_LINE.format(tool="B"),
     }
-    figure = Figure(figsize=(11, 4.5), dpi=96)  # as wide as the page, so that labels keep their size
+    figure = Figure(
+        figsize=(11, 4.5), dpi=96
+    )  # as wide as the page, so that labels keep their size
     axes = figure.subplots(len(rows), 1 + len(ACTIONS))
     for row, (name, room) in zip(axes, rows.items(), strict=True):
         start = World.parse(room, name)

@@ -9,7 +9,7 @@ from typing import Any
 from habilis.studies.learned import Claim
 from habilis.studies.numbers import Number
 from habilis.studies.pace.data import MEASURES, Pace
-from habilis.studies.pace.slowness import Association, association
+from habilis.studies.pace.slowness import WAYS, Association, association
 from habilis.studies.published import EXPERIMENTS
 from habilis.studies.relations import Relation
 from habilis.studies.settings import learner_settings
@@ -63,8 +63,9 @@ class Reproduction:
 
     @cached_property
     def associations(self) -> list[Association]:
-        """How the ratio of regularised to vanilla goes with slowness, by each measure."""
-        found = [association(self.pace.learners, measure) for measure in MEASURES]
+        """How the ratio, and the order, of regularised and vanilla go with slowness."""
+        learners = self.pace.learners
+        found = [association(learners, measure, by) for measure in MEASURES for by in WAYS]
         return [one for one in found if one is not None]
 
     def summary(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from scipy.stats import ttest_ind, ttest_ind_from_stats
 
 from habilis.learning.runs import Run
 from habilis.studies.pace.data import Learner, Pace
-from habilis.studies.pace.ratios import Ratio, ratio_over
+from habilis.studies.pace.ratios import Ratio, bound, ratio_over
 from habilis.studies.published import RUNS, Experiment, Row
 from habilis.studies.verdicts import Outcome, outcome_of, verdict_of
 
@@ -162,11 +162,7 @@ def welch(a: np.ndarray, b: np.ndarray) -> float:
 
 def _ratio_is(result: Result, base: Result) -> str:
     """What the ratio of two means is where one of them, or both, are lower bounds."""
-    if result is base or (result.all_converged and base.all_converged):
-        return "exact"
-    if base.all_converged:
-        return "at least"
-    return "at most" if result.all_converged else "unknown"
+    return "exact" if result is base else bound(result.all_converged, base.all_converged)
 
 
 def table(
@@ -216,7 +212,10 @@ _MAY_BE_NULL: dict[str, type[pl.DataType]] = {
     **dict.fromkeys(("thirty_converged", "thirty_runs"), pl.Int64),
     "thirty_outcome": pl.String,
     **dict.fromkeys(("ensemble_ratio", "ensemble_low", "ensemble_high"), pl.Float64),
+    "ensemble_ratio_is": pl.String,
     **dict.fromkeys(("ensemble_pairs", "ensemble_converged", "ensemble_runs"), pl.Int64),
+    **dict.fromkeys(("ensemble_vanilla_converged", "ensemble_vanilla_runs"), pl.Int64),
+    **dict.fromkeys(("ensemble_superiority", "ensemble_p"), pl.Float64),
     "ensemble_outcome": pl.String,
 }
 
@@ -258,8 +257,13 @@ def _ensemble(
         "ensemble_ratio": found.middle,
         "ensemble_low": found.low,
         "ensemble_high": found.high,
+        "ensemble_ratio_is": found.is_what,
         "ensemble_pairs": found.learners,
         "ensemble_converged": found.converged,
         "ensemble_runs": found.runs,
+        "ensemble_vanilla_converged": found.vanilla_converged,
+        "ensemble_vanilla_runs": found.vanilla_runs,
+        "ensemble_superiority": found.verdict.superiority,
+        "ensemble_p": found.verdict.p,
         "ensemble_outcome": found.outcome.value,
     }

@@ -1,13 +1,13 @@
 """Whether one agent comes before another: one definition, for every report."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import mannwhitneyu, rankdata
+from scipy.stats import mannwhitneyu, norm, rankdata
 
 SIGNIFICANT = 0.05
 """p-values below it decide."""
@@ -80,6 +80,38 @@ def mann_whitney(a: np.ndarray, b: np.ndarray) -> tuple[float, float]:
         return below, 1.0
     test = mannwhitneyu(ranks[: len(a)], ranks[len(a) :], method="asymptotic")
     return below, float(test.pvalue)
+
+
+def verdict_over(pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> Verdict:
+    """Two kinds of agents compared by ranks within each of several settings.
+
+    The average over the settings of how often a run of the first comes before one of the second,
+    and p by the sum of the settings' Mann-Whitney statistics, each divided by its number of pairs
+    of runs (a van Elteren test). With one setting this is `verdict_of`.
+
+    Args:
+        pairs: the runs of both, as in `verdict_of`, in each setting; at least one.
+
+    Example:
+        >>> soon, late = np.arange(5.0), np.arange(5.0) + 2
+        >>> verdict_of(soon, late).outcome.value, verdict_over([(soon, late)] * 5).outcome.value
+        ('undecided', 'holds')
+    """
+    above, variance, weights = 0.0, 0.0, []
+    for a, b in pairs:
+        below, _ = mann_whitney(a, b)
+        n, m, total = len(a), len(b), len(a) + len(b)
+        ties = np.unique(np.concatenate([a, b]), return_counts=True)[1].astype(float)
+        tied = (ties**3 - ties).sum() / (total * (total - 1))
+        above += below - 0.5
+        variance += (total + 1 - tied) / (12 * n * m)
+        weights.append(1 / (n * m))
+    off = max(abs(above) - 0.5 * min(weights), 0.0)
+    p = min(1.0, 2 * norm.sf(off / np.sqrt(variance))) if variance > 0 else 1.0
+    sides = (
+        int(sum(np.isfinite(side).sum() for side in part)) for part in zip(*pairs, strict=True)
+    )
+    return Verdict(0.5 + above / len(pairs), float(p), *sides)
 
 
 def tally(outcomes: Iterable[Outcome]) -> dict[str, int]:

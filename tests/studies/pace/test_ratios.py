@@ -58,13 +58,22 @@ def test_the_interval_is_that_of_a_plain_bootstrap_within_each_agent():
     assert found.high == pytest.approx(high, rel=0.03)
 
 
-def test_one_in_the_interval_is_undecided():
+def test_orders_hold_are_opposite_or_undecided():
     near, far = [100, 110, 90, 105, 95], [200, 210, 190, 205, 195]
     outcomes = [
         ratio_over([learner(*sides)], FIRST, TOE, VANILLA).outcome  # pyright: ignore[reportOptionalMemberAccess]
         for sides in ((far, near), (near, far), (near, near))
     ]
     assert outcomes == [Outcome.HOLDS, Outcome.OPPOSITE, Outcome.UNDECIDED]
+
+
+def test_an_agent_that_never_converges_is_not_the_sooner_one_for_having_had_few_long_episodes():
+    """It hovers: its budget of steps is gone after 40 episodes; vanilla converges after 100."""
+    one = learner([90, 95, 100, 105, 110], [np.inf] * 5, had_toe=[40] * 5)
+    found = ratio_over([one], FIRST, TOE, VANILLA)
+    assert found is not None
+    assert found.middle == pytest.approx(0.4)
+    assert (found.is_what, found.outcome) == ("at least", Outcome.OPPOSITE)
 
 
 def test_no_learner_with_both_rows_is_no_ratio():

@@ -59,6 +59,7 @@ def test_tables_have_more_runs_and_the_ensembles_ratio_with_its_interval_and_ver
                 continue
             assert row["ensemble_ratio"] == pytest.approx(0.8, abs=0.08)
             assert row["ensemble_low"] < row["ensemble_ratio"] < row["ensemble_high"] < 1
+            assert row["ensemble_ratio_is"] == ("unknown" if printed.tool == "broom" else "exact")
             assert row["ensemble_outcome"] == row["thirty_outcome"] == "holds"
             assert row["ensemble_pairs"] == 5
             low, high = row["ensemble_low"], row["ensemble_high"]
@@ -76,7 +77,9 @@ def test_orders_are_counted_over_the_ensemble_too(full):
 
 def test_the_report_says_what_the_picture_says(full):
     found, text = full
-    assert [one.measure for one in found.associations] == ["first success", "convergence"]
+    assert [(one.measure, one.by) for one in found.associations] == [
+        (measure, by) for measure in ("first success", "convergence") for by in ("ratio", "order")
+    ]
     for one in found.associations:
         assert f"over {one.learners} learners" in text
     assert text.count("the hypothesis") + text.count("the opposite of the hypothesis") >= 2

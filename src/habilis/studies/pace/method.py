@@ -54,9 +54,7 @@ def _stage(rows: pl.DataFrame | None) -> str | None:
     settings, maps = (rows[name].n_unique() for name in ("setting", "map"))
     runs = " or ".join(str(n) for n in rows["runs"].unique().sort())
     plural = ("s" if settings != 1 else "", "s" if maps != 1 else "")
-    return (
-        f"{settings:,} setting{plural[0]} on {maps} map{plural[1]}, {runs} runs of each vanilla agent"
-    )
+    return f"{settings:,} setting{plural[0]} on {maps} map{plural[1]}, {runs} runs of each vanilla agent"
 
 
 def _pair(number: int, pair: Pair) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from habilis.learning.intervals import joint_interval
 from habilis.studies.pace.data import Agent, Learner
 from habilis.studies.published import EXPERIMENTS, Experiment, Row
-from habilis.studies.verdicts import Outcome, verdict_of
+from habilis.studies.verdicts import Outcome, Verdict, verdict_of, verdict_over
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,9 @@ class Ratio:
         learners: how many there are.
         converged, runs: of the first agent's, over all learners.
         vanilla_converged, vanilla_runs: of the second's.
+        verdict: of the statement that the first agent is the sooner one, by ranks within each
+            learner. A ratio of means cannot decide where runs did not converge: the episodes they
+            had are few where each of them is long.
     """
 
     middle: float
@@ -34,13 +37,28 @@ class Ratio:
     runs: int
     vanilla_converged: int
     vanilla_runs: int
+    verdict: Verdict
 
     @property
     def outcome(self) -> Outcome:
-        """Whether the first agent is the sooner one: undecided where the interval holds 1."""
-        if self.high < 1:
-            return Outcome.HOLDS
-        return Outcome.OPPOSITE if self.low > 1 else Outcome.UNDECIDED
+        return self.verdict.outcome
+
+    @property
+    def is_what(self) -> str:
+        """What the ratio is, as some means are lower bounds (see `bound`)."""
+        return bound(self.converged == self.runs, self.vanilla_converged == self.vanilla_runs)
+
+
+def bound(complete: bool, vanilla_complete: bool) -> str:
+    """What a ratio of mean episodes is, by whether all runs of each side converged.
+
+    Example:
+        >>> [bound(True, True), bound(False, True), bound(True, False), bound(False, False)]
+        ['exact', 'at least', 'at most', 'unknown']
+    """
+    if complete:
+        return "exact" if vanilla_complete else "at most"
+    return "at least" if vanilla_complete else "unknown"
 
 
 def ratio_over(
@@ -52,7 +70,8 @@ def ratio_over(
 ) -> Ratio | None:
     """The episodes of one row over those of another, over all learners that have both.
 
-    A run that did not come so far counts with the episodes that it had.
+    A run that did not come so far counts with the episodes that it had in the ratio, and is later
+    than all that did in the verdict.
 
     Args:
         learners: such as the ensemble's.
@@ -76,6 +95,7 @@ def ratio_over(
         learners=len(pairs),
         **_came([a for a, _ in pairs], measure, ""),
         **_came([b for _, b in pairs], measure, "vanilla_"),
+        verdict=verdict_over([(a.counts[measure], b.counts[measure]) for a, b in pairs]),
     )
 
 

@@ -21,6 +21,12 @@ from habilis.studies.verdicts import Outcome
 _REPEATS = 2000
 _FEWEST = 4  # learners over which a correlation says something
 
+WAYS = ("ratio", "order")
+"""What is compared with what. "ratio": mean vanilla episodes with the ratio of means, a run that did
+not come so far counting with the episodes it had. "order": the vanilla median with how often the
+vanilla agent comes first, a run that did not come so far being later than all that did. Where there
+are such runs, the order is right, and the ratio is not: their episodes are few where each is long."""
+
 Sides = tuple[Agent, Agent]
 """A regularised agent, and the vanilla one of the same learner, map and tool."""
 
@@ -31,6 +37,7 @@ class Association:
 
     Attributes:
         measure: one of `data.MEASURES`.
+        by: one of `WAYS`.
         middle: Spearman's rank correlation over the learners, averaged over the rows and over random
             halves of the vanilla runs.
         low, high: the ends of its 95 % bootstrap interval, learners drawn anew.
@@ -39,6 +46,7 @@ class Association:
     """
 
     measure: str
+    by: str
     middle: float
     low: float
     high: float
@@ -89,13 +97,18 @@ def marks(learners: Sequence[Learner]) -> pl.DataFrame:
 
 
 def association(
-    learners: Sequence[Learner], measure: str, repeats: int = _REPEATS, seed: int = 0
+    learners: Sequence[Learner],
+    measure: str,
+    by: str = "ratio",
+    repeats: int = _REPEATS,
+    seed: int = 0,
 ) -> Association | None:
     """How the ratio goes with slowness, by ranks (see the module's first lines).
 
     Args:
         learners: of all kinds together; those without all rows are left out.
         measure: one of `data.MEASURES`.
+        by: one of `WAYS`.
         repeats: how often runs are split, and learners drawn anew.
         seed: of both.
 
@@ -113,14 +126,14 @@ def association(
     drawn = random.integers(len(whole), size=(repeats, len(whole)))
     once, anew = np.empty((2, len(rows), repeats))
     for at, row in enumerate(rows):
-        halves = [_halves(_sides(one, *row)[0], measure, repeats, random) for one in whole]
+        halves = [_halves(_sides(one, *row)[0], measure, by, repeats, random) for one in whole]
         slowness, ratio = (np.stack(part, axis=1) for part in zip(*halves, strict=True))
         once[at] = _spearman(slowness, ratio)
         anew[at] = _spearman(*(np.take_along_axis(x, drawn, axis=1) for x in (slowness, ratio)))
     ratios = marks(whole).filter(measure=measure)["ratio"]
     low, high = np.quantile(anew.mean(axis=0), [0.025, 0.975])
     return Association(
-        measure,
+        *(measure, by),
         *(float(once.mean()), float(low), float(high)),
         *(len(whole), int((ratios < 1).sum()), len(ratios)),
     )
@@ -132,16 +145,20 @@ def _sides(learner: Learner, experiment: Experiment, row: Row, vanilla: Row) -> 
 
 
 def _halves(
-    sides: Sides, measure: str, repeats: int, random: np.random.Generator
+    sides: Sides, measure: str, by: str, repeats: int, random: np.random.Generator
 ) -> tuple[Float[np.ndarray, "repeats"], Float[np.ndarray, "repeats"]]:
-    """The vanilla mean over one half of its runs, and the ratio to the mean over the other."""
-    agent, bare = (one.budgeted(measure) for one in sides)
+    """How slow the vanilla agent is by one half of its runs, and how the other compares by the rest."""
+    ratio = by == "ratio"
+    agent, bare = (one.budgeted(measure) if ratio else one.counts[measure] for one in sides)
     if len(bare) < 2:
         raise ValueError("a vanilla agent has a single run; give at least two to split")
     order = np.argsort(random.random((repeats, len(bare))), axis=1)
     cut = len(bare) // 2
-    slowness, below = (bare[part].mean(axis=1) for part in (order[:, :cut], order[:, cut:]))
-    return slowness, agent.mean() / below
+    one, other = bare[order[:, :cut]], bare[order[:, cut:]]
+    if ratio:
+        return one.mean(axis=1), agent.mean() / other.mean(axis=1)
+    later = (agent > other[..., None]) + 0.5 * (agent == other[..., None])
+    return np.median(one, axis=1), later.mean(axis=(1, 2))
 
 
 def _spearman(
@@ -161,8 +178,9 @@ def sentence(found: Association) -> str:
         Outcome.UNDECIDED: "the hypothesis is undecided",
         Outcome.OPPOSITE: "the opposite of the hypothesis comes out",
     }
+    below = f" {found.below} of {found.marks} ratios are below 1." if found.by == "ratio" else ""
     return (
         f"By episodes to {found.measure}, over {found.learners} learners, the rank correlation of "
-        f"slowness and ratio is {found.middle:+.2f} [{found.low:+.2f}, {found.high:+.2f}]: "
-        f"{words[found.outcome]}. {found.below} of {found.marks} ratios are below 1."
+        f"slowness and {found.by} is {found.middle:+.2f} [{found.low:+.2f}, {found.high:+.2f}]: "
+        f"{words[found.outcome]}.{below}"
     ).replace("-", "−")
