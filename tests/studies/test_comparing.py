@@ -13,7 +13,7 @@ from habilis.studies.comparing.study import BETAS, CONVERGED, FULL, Agent, Measu
 from habilis.studies.comparing.training import first_success, points_of
 from habilis.studies.comparing.weights import choose
 from habilis.studies.learners import STUDIES
-from habilis.studies.tables import Outcome
+from habilis.studies.verdicts import Outcome
 
 TWO_GOALS = STUDIES["two-goals"]
 RNG = np.random.default_rng(0)

@@ -5,13 +5,14 @@ import pytest
 from habilis.learning.config import Config
 from habilis.learning.runs import Run
 from habilis.studies.curves import attached_share, equipped_share, mean_curve, returns
-from habilis.studies.learned import learned_relations
+from habilis.studies.learned import learned_claims
 from habilis.studies.published import EXPERIMENTS
 from habilis.studies.tables import Result
+from habilis.studies.verdicts import Outcome
 from habilis.worlds.world import load_world
 
 
-def run(equipped, attached, counts=(100, 110), noise=0.1):
+def run(equipped, attached, counts=(100, 110, 120, 130, 140), noise=0.1):
     """Runs whose every episode of 10 steps has about so many equipped and attached steps."""
     total = sum(counts)
     of_run = np.repeat(np.arange(len(counts)), counts)
@@ -37,8 +38,8 @@ def test_shares_are_of_steps_and_of_steps_with_the_tool():
 
 def test_curves_go_as_far_as_the_shortest_run():
     curves = equipped_share(run(4, 1, noise=1))
-    np.testing.assert_allclose(curves, [[0.4] * 100, [0.5] * 100])
-    assert returns(run(4, 1)).shape == (2, 100)
+    np.testing.assert_allclose(curves, [[share] * 100 for share in (0.4, 0.5, 0.6, 0.7, 0.8)])
+    assert returns(run(4, 1)).shape == (5, 100)
 
 
 def test_a_mean_curve_is_over_runs_and_100_episodes_and_leaves_out_what_is_missing():
@@ -56,7 +57,7 @@ def relations(vanilla, foe, toe):
         e.name: [Result.of(row, r) for row, r in zip(e.rows, runs[e.name], strict=True)]
         for e in EXPERIMENTS
     }
-    return {relation.text: relation for relation in learned_relations(results)}
+    return {relation.text: relation for relation in learned_claims(results)}
 
 
 def test_the_stated_orders_and_all_of_figure_2_are_looked_at():
@@ -71,19 +72,30 @@ def test_figure_2_holds_in_the_papers_order_and_not_in_another():
     for text in low_high:
         if text.startswith("Figure 2"):
             about_attached = "attached" in text
-            assert low_high[text].holds != about_attached, text
-            assert high_low[text].holds == about_attached or "vanilla" not in text, text
+            assert (low_high[text].outcome is Outcome.HOLDS) != about_attached, text
+            if "vanilla" in text:
+                assert (high_low[text].outcome is Outcome.HOLDS) == about_attached, text
+
+
+def test_the_opposite_of_figure_2_is_called_so():
+    reverse = relations(run(8, 7), run(2, 0.1), run(5, 2))
+    assert {c.outcome for text, c in reverse.items() if text.startswith("Figure 2")} == {
+        Outcome.OPPOSITE
+    }
 
 
 def test_equal_shares_are_no_order():
     same = relations(run(3, 1), run(3, 1), run(3, 1))
-    assert not any(r.holds for text, r in same.items() if text.startswith("Figure 2"))
+    assert {c.outcome for text, c in same.items() if text.startswith("Figure 2")} == {
+        Outcome.UNDECIDED
+    }
 
 
 def test_an_order_holds_only_if_it_is_separated():
-    slow, fast = run(1, 0, (900, 905, 910)), run(1, 0, (100, 105, 110))
+    slow, fast = run(1, 0, (900, 902, 905, 910, 920)), run(1, 0, (100, 102, 105, 110, 120))
     order = "Table I: “A2C with 6-step TOE” converges before “A2C”"
-    assert relations(slow, slow, fast)[order].holds
-    assert not relations(fast, slow, slow)[order].holds
-    assert not relations(slow, slow, run(1, 0, (100, 905, 1400)))[order].holds
-    assert not relations(slow, slow, slow)[order].holds
+    assert relations(slow, slow, fast)[order].outcome is Outcome.HOLDS
+    assert relations(fast, slow, slow)[order].outcome is Outcome.OPPOSITE
+    wide = run(1, 0, (100, 905, 911, 1400, 1500))
+    assert relations(slow, slow, wide)[order].outcome is Outcome.UNDECIDED
+    assert relations(slow, slow, slow)[order].outcome is Outcome.UNDECIDED

@@ -41,7 +41,7 @@ class Page(HTMLParser):
 def test_one_folder_has_the_whole_paper(paper):
     names = {path.name for path in paper.folder.iterdir()}
     assert names >= {"report.html", "numbers.json", "table1.csv", "table2.csv"}
-    assert names >= {f"figure{n}.svg" for n in ("1", "2", "3", "4a", "4b-picker", "4b-broom")}
+    assert names >= {f"figure{n}.svg" for n in ("1", "2", "3", "4a", "4b")}
     assert not list(paper.folder.parent.glob(".*")), "nothing half-written is left"
 
 
@@ -53,7 +53,8 @@ def test_the_report_is_one_page_that_loads_nothing(paper):
     assert "@import" not in text
     assert len(page.ids) == len(set(page.ids))
     assert {link[1:] for link in page.links} <= set(page.ids)
-    assert text.count("<svg") == 10
+    pictures = 9 + len(paper.other_worlds) + bool(paper.pace.learners)
+    assert text.count("<svg") == pictures
 
 
 def test_the_report_shows_every_number_statement_and_row(paper):
@@ -114,11 +115,15 @@ def test_the_reports_tables_show_the_data(paper):
         assert row[2] == number["published"]
         assert float(row[3]) == pytest.approx(number["ours"], abs=5e-5)
         assert row[5] == ("agrees" if number["agrees"] else "differs")
-    for relation in [*data["relations"], *data["learned"]]:
+    for relation in data["relations"]:
         row = shown[relation["text"]]
         assert row[2] == ("holds" if relation["holds"] else "does not hold")
         assert row[3] == relation["found"]
-    by_label = {row[0]: row for row in rows if len(row) == 7 and "±" in row[1]}
+    for claim in data["learned"]:
+        row = shown[claim["text"]]
+        assert row[2] == claim["outcome"]
+        assert row[3] == claim["found"]
+    by_label = {row[0]: row for row in rows if len(row) >= 8 and "±" in row[1]}
     for table in data["tables"].values():
         for result in table["rows"]:
             row = by_label[result["approach"]]
@@ -128,6 +133,21 @@ def test_the_reports_tables_show_the_data(paper):
             assert row[5] == "–", "all runs were given up"
             assert result["ours_median"] is None
             assert row[6] == f"{result['converged']} of {result['runs']}"
+            assert row[7] == (result["outcome"] or "")
+
+
+def test_card_summary_and_data_count_the_claims_about_agents_in_three_values(paper):
+    data = json.loads((paper.folder / "numbers.json").read_text())
+    outcomes = [claim["outcome"] for claim in data["learned"]]
+    assert data["verdicts"] == {
+        value: outcomes.count(value) for value in ("holds", "undecided", "opposite")
+    }
+    assert sum(data["verdicts"].values()) == len(paper.learned) == paper.summary()["learned"]
+    words = ", ".join(f"{value} {n}" for value, n in data["verdicts"].items())
+    assert f"statements about the learning agents: {words}" in paper.text()
+    assert f"<b>{words}</b>" in (paper.folder / "report.html").read_text()
+    kinds = ("hold", "undecided", "opposite")
+    assert [paper.summary()[f"learned_{kind}"] for kind in kinds] == [*data["verdicts"].values()]
 
 
 def test_runs_given_up_are_shown_as_lower_bounds(paper):

@@ -86,6 +86,30 @@ def stratified_interval(
     return float(low), float(high)
 
 
+def joint_interval(
+    samples: Sequence[Float[np.ndarray, "runs"]],
+    statistic: Callable[[list[np.ndarray]], np.ndarray],
+    confidence: float = 0.95,
+    repeats: int = 2000,
+    seed: int = 0,
+) -> tuple[float, float]:
+    """Between what values a statistic of several samples is, each of them drawn anew by itself.
+
+    Args:
+        samples: of independent runs, such as those of several agents.
+        statistic: of the drawn samples, float64[runs, draws] each; float64[draws].
+        confidence, repeats, seed: as in `bootstrap_interval`.
+
+    Example:
+        >>> fast, slow = np.array([1.0, 1.2, 0.8]), np.array([2.0, 2.1, 1.9])
+        >>> low, high = joint_interval([fast, slow], lambda drawn: mean(drawn[0]) / mean(drawn[1]))
+        >>> bool(low < 0.5 < high < 1)
+        True
+    """
+    low, high = _interval(samples, statistic, confidence, repeats, seed)
+    return float(low), float(high)
+
+
 def _interval(
     strata: Sequence[Float[np.ndarray, "runs *points"]],
     statistic: Callable[[list[np.ndarray]], np.ndarray],

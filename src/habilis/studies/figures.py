@@ -3,12 +3,21 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from jaxtyping import Int
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import PercentFormatter
 
 from habilis.empowerment.landscape_picture import draw_landscapes
 from habilis.learning.curves import SMOOTHING
 from habilis.learning.runs import Run
+from habilis.studies.axes import (
+    LABEL_SIZE,
+    TICK_SIZE,
+    episodes_axis,
+    mark_best,
+    returns_axis,
+)
 from habilis.studies.curves import (
     Curves,
     attached_share,
@@ -25,6 +34,8 @@ from habilis.worlds.world import World
 
 # Colour-blind-safe (Okabe and Ito).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
+
+_POINTS = 1000  # of a curve: more than there are pixels
 
 _IN_LINE = """\
 .......
@@ -45,20 +56,24 @@ _BESIDE = """\
 def figure_1() -> Figure:
     """What tool actions and moves do: a start state, and the state after each action."""
     rows = {
-        "picker, can beside it": _BESIDE.format(tool="P"),
-        "picker, can attached": _IN_LINE.format(tool="P"),
-        "broom, can beside it": _BESIDE.format(tool="B"),
-        "broom, can in line": _IN_LINE.format(tool="B"),
+        "picker,\ncan beside it": _BESIDE.format(tool="P"),
+        "picker,\ncan attached": _IN_LINE.format(tool="P"),
+        "broom,\ncan beside it": _BESIDE.format(tool="B"),
+        "broom,\ncan in line": _IN_LINE.format(tool="B"),
     }
-    figure = Figure(figsize=(15, 6), dpi=96)
+    figure = Figure(
+        figsize=(11, 4.5), dpi=96
+    )  # as wide as the page, so that labels keep their size
     axes = figure.subplots(len(rows), 1 + len(ACTIONS))
     for row, (name, room) in zip(axes, rows.items(), strict=True):
         start = World.parse(room, name)
-        _panel(row[0], start, "start", framed=True)
-        row[0].set_ylabel(name, fontsize=9)
+        _panel(row[0], start, framed=True)
+        row[0].set_ylabel(name, fontsize=LABEL_SIZE)
         for action, ax in enumerate(row[1:]):
-            _panel(ax, after(start, action), ACTIONS[action], framed=False)
-    figure.tight_layout()
+            _panel(ax, after(start, action), framed=False)
+    for ax, title in zip(axes[0], ("start", *ACTIONS), strict=True):
+        ax.set_title(title, fontsize=LABEL_SIZE)
+    figure.subplots_adjust(left=0.06, right=0.995, top=0.94, bottom=0.01, wspace=0.06, hspace=0.06)
     return figure
 
 
@@ -68,9 +83,8 @@ def after(world: World, action: int) -> World:
     return placement(world, mdp, mdp.next_state[mdp.start, action])
 
 
-def _panel(ax: Axes, world: World, title: str, framed: bool) -> None:
+def _panel(ax: Axes, world: World, framed: bool) -> None:
     draw_world(ax, world)
-    ax.set_title(title, fontsize=9)
     ax.set_frame_on(True)
     for spine in ax.spines.values():
         spine.set(color="#0072b2" if framed else "#c9ced6", linewidth=2.5 if framed else 0.8)
@@ -81,10 +95,14 @@ def figure_2(results: Sequence[Result]) -> Figure:
     figure = Figure(figsize=(11, 4.2), dpi=96)
     left, right = figure.subplots(1, 2, sharey=True)
     _curves(left, results, equipped_share)
-    left.set(title="picker equipped", ylabel="share of an episode's steps", ylim=(0, 1.02))
+    left.set_title("picker equipped", fontsize=LABEL_SIZE)
+    left.set(ylim=(0, 1.02))
+    left.set_ylabel("share of an episode's steps", fontsize=LABEL_SIZE)
+    left.yaxis.set_major_formatter(PercentFormatter(1))
+    left.tick_params(axis="y", labelsize=TICK_SIZE)
     _curves(right, results, attached_share)
-    right.set(title="can attached, of the steps with the picker equipped")
-    left.legend(frameon=False)
+    right.set_title("can attached, of the steps with the picker equipped", fontsize=LABEL_SIZE)
+    left.legend(frameon=False, fontsize=TICK_SIZE)
     figure.tight_layout()
     return figure
 
@@ -95,23 +113,32 @@ def returns_figure(results: Sequence[Result]) -> Figure:
     ax = figure.subplots()
     _curves(ax, results, returns)
     best = {result.run.best_return for result in results}
+    returns_axis(ax, max(best))
     for value in best:
-        ax.axhline(value, color="#5b6270", linewidth=0.8, linestyle=":")
-    ax.set(ylabel="mean return (dotted: best)", yscale="symlog")
-    ax.set_ylim(top=0.75 * max(best))
-    ax.legend(frameon=False)
+        mark_best(ax, value)
+    ax.legend(frameon=False, fontsize=TICK_SIZE, loc="lower right")
     figure.tight_layout()
     return figure
 
 
 def _curves(ax: Axes, results: Sequence[Result], share: Callable[[Run], Curves]) -> None:
+    last = SMOOTHING + 1
     for result, colour in zip(results, COLOURS, strict=False):
         values = mean_curve(share(result.run))
-        episodes = np.arange(len(values)) + SMOOTHING
-        ax.plot(episodes, values, color=colour, label=result.row.label, lw=1.4)
+        last = max(last, len(values) + SMOOTHING)
+        at = _spread(len(values))
+        ax.plot(at + SMOOTHING, values[at], color=colour, label=result.row.label, lw=1.4)
     # Agents may differ tenfold in how long they take.
-    ax.set(xlabel="episode (moving average over 100)", xscale="log")
+    episodes_axis(ax.xaxis, "episodes (moving average over 100)", SMOOTHING, last)
     ax.spines[["top", "right"]].set_visible(False)
+
+
+def _spread(count: int) -> Int[np.ndarray, "points"]:
+    """The places of at most `_POINTS` values that lie evenly on a logarithmic axis."""
+    if not count:
+        return np.arange(0)
+    wanted = np.geomspace(SMOOTHING, SMOOTHING + count - 1, _POINTS) - SMOOTHING
+    return np.unique(wanted.round().astype(int))
 
 
 def figure_3() -> Figure:
@@ -134,8 +161,13 @@ def figure_4a() -> Figure:
     return draw_landscapes(panels, cell=40)
 
 
-def figure_4b(tool: str) -> Figure:
-    """1-step TOE with the can next to a tool."""
-    scene = pair().yard.with_tool(tool)
-    panels = {f"(b) 1-step TOE, {tool}": scene.landscape(1, "object")}
-    return draw_landscapes(panels, cell=40)
+def figure_4b() -> Figure:
+    """1-step TOE with the can next to the picker, and next to the broom: one colour scale."""
+    scenes = {tool: pair().yard.with_tool(tool) for tool in ("picker", "broom")}
+    return draw_landscapes(
+        {
+            f"(b) 1-step TOE, {tool}": scene.landscape(1, "object")
+            for tool, scene in scenes.items()
+        },
+        cell=40,
+    )

@@ -1,14 +1,17 @@
 """What the paper states about its learning agents, held against ours."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
 from habilis.studies.curves import Curves, attached_share, equipped_share
-from habilis.studies.published import EXPERIMENTS
-from habilis.studies.relations import Relation
-from habilis.studies.tables import Outcome, Result, comparisons, welch
+from habilis.studies.pace.data import Learner
+from habilis.studies.pace.ratios import Ratio, ratio_over
+from habilis.studies.published import EXPERIMENTS, Experiment
+from habilis.studies.tables import Comparison, Result, comparisons
+from habilis.studies.verdicts import Outcome, verdict_of
 
 EARLY = 1_000
 """The "initial stage of learning" over which shares of Figure 2 are compared, in episodes."""
@@ -28,24 +31,64 @@ Results = Mapping[str, Sequence[Result]]
 """By the name of the experiment."""
 
 
-def learned_relations(results: Results) -> list[Relation]:
-    """The stated orders of the tables' rows, and what Figure 2 is said to show."""
+@dataclass(frozen=True)
+class Claim:
+    """What the paper states about its learning agents, and what our runs say of it.
+
+    Attributes:
+        section: where the paper makes it.
+        text: the statement, in our words.
+        outcome: whether it holds here, is undecided, or comes out the other way round.
+        found: with figures.
+        ensemble: the outcome over an ensemble of learners and maps, for orders of rows; `None`
+            without one.
+    """
+
+    section: str
+    text: str
+    outcome: Outcome
+    found: str
+    ensemble: Outcome | None = None
+
+
+def learned_claims(results: Results, ensemble: Sequence[Learner] = ()) -> list[Claim]:
+    """The stated orders of the tables' rows, and what Figure 2 is said to show.
+
+    Args:
+        results: of the reproduction's learner, by the experiment's name.
+        ensemble: other learners, by which the orders are looked at too.
+    """
     orders = [
-        Relation(
+        Claim(
             "IV-B.1" if experiment.name == "table1" else "IV-C.1",
             f"{experiment.title}: “{c.faster}” converges before “{c.slower}”",
-            c.outcome is Outcome.HOLDS,
+            c.outcome,
             f"{c.verdict}; {f'ratio {c.ours_ratio:.2f}, ' if c.complete else ''}"
-            f"the paper's ratio {c.published_ratio:.2f} (p = {c.published_p:.2g})",
+            f"the paper's ratio {c.published_ratio:.2f} (p = {c.published_p:.2g})"
+            f"{_in_words(over)}",
+            None if over is None else over.outcome,
         )
         for experiment in EXPERIMENTS
         for c in comparisons(experiment, results[experiment.name])
         if (c.faster, c.slower) in STATED
+        for over in [_over(ensemble, experiment, c)]
     ]
     return orders + _figure_2(results["table1"])
 
 
-def _figure_2(first: Sequence[Result]) -> list[Relation]:
+def _over(ensemble: Sequence[Learner], experiment: Experiment, order: Comparison) -> Ratio | None:
+    rows = {row.label: row for row in experiment.rows}
+    return ratio_over(ensemble, experiment, rows[order.faster], rows[order.slower])
+
+
+def _in_words(ratio: Ratio | None) -> str:
+    if ratio is None:
+        return ""
+    interval = f"{ratio.middle:.2f} [{ratio.low:.2f}, {ratio.high:.2f}]"
+    return f"; in the ensemble {interval}: {ratio.outcome.value}"
+
+
+def _figure_2(first: Sequence[Result]) -> list[Claim]:
     agents = {"none": "vanilla", "state": "FOE", "object": "TOE"}
     shares = {
         "with the picker equipped": {r.row.intrinsic: equipped_share(r.run) for r in first},
@@ -66,17 +109,13 @@ def _figure_2(first: Sequence[Result]) -> list[Relation]:
     ]
 
 
-def _above(text: str, more: Curves, less: Curves) -> Relation:
-    """Whether one agent's early share is above another's, by the runs' means and Welch's test."""
+def _above(text: str, more: Curves, less: Curves) -> Claim:
+    """Whether one agent's early share is above another's, by the ranks of the runs."""
     a, b = _early(more), _early(less)
-    p = welch(a, b)
+    verdict = verdict_of(-a, -b)
     episodes = min(EARLY, more.shape[1], less.shape[1])
-    return Relation(
-        "IV-B.2",
-        text,
-        bool(a.mean() > b.mean() and p < 0.05),
-        f"{a.mean():.1%} against {b.mean():.1%} over the first {episodes:,} episodes (p = {p:.2g})",
-    )
+    found = f"{a.mean():.1%} against {b.mean():.1%} over the first {episodes:,} episodes"
+    return Claim("IV-B.2", text, verdict.outcome, f"{found} (p = {verdict.p:.2g})")
 
 
 def _early(curves: Curves) -> Float[np.ndarray, "runs"]:

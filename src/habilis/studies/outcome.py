@@ -1,15 +1,21 @@
 """What a reproduction found."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from habilis.studies.learned import Claim
 from habilis.studies.numbers import Number
+from habilis.studies.pace.data import MEASURES, Pace
+from habilis.studies.pace.slowness import WAYS, Association, association
 from habilis.studies.published import EXPERIMENTS
 from habilis.studies.relations import Relation
-from habilis.studies.settings import frozen_settings
+from habilis.studies.settings import learner_settings
 from habilis.studies.tables import Result, comparisons, table
+from habilis.studies.verdicts import in_words, tally
+from habilis.worlds.world import World
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +28,7 @@ class Reproduction:
         relations: what the paper states about its worlds.
         learned: what the paper states about its learning agents.
         results: the rows of each table, by the experiment's name.
+        pace: what was calibrated and trained before, at the paper's pace.
         budget: of each run.
         quick: whether the budget was the small one.
         seconds: how long it took.
@@ -30,14 +37,40 @@ class Reproduction:
     folder: Path
     numbers: list[Number]
     relations: list[Relation]
-    learned: list[Relation]
+    learned: list[Claim]
     results: dict[str, list[Result]]
+    pace: Pace
     budget: dict[str, Any]
     quick: bool
     seconds: float
 
+    @property
+    def verdicts(self) -> dict[str, int]:
+        """How many statements about the agents hold, are undecided, come out the other way."""
+        return tally(claim.outcome for claim in self.learned)
+
+    @property
+    def ensemble_verdicts(self) -> dict[str, int]:
+        """The same of the orders over the ensemble; all 0 without one."""
+        return tally(claim.ensemble for claim in self.learned if claim.ensemble is not None)
+
+    @property
+    def other_worlds(self) -> list[World]:
+        """The maps on which the tables' agents acted, unless they are the built-in ones."""
+        worlds = [replace(r.run.world, name=r.map) for r, *_ in self.results.values()]
+        built_in = {e.world for e in EXPERIMENTS}
+        return [world for world in worlds if world.name not in built_in]
+
+    @cached_property
+    def associations(self) -> list[Association]:
+        """How the ratio, and the order, of regularised and vanilla go with slowness."""
+        learners = self.pace.learners
+        found = [association(learners, measure, by) for measure in MEASURES for by in WAYS]
+        return [one for one in found if one is not None]
+
     def summary(self) -> dict[str, Any]:
         """How much agrees, and where the report is."""
+        verdicts = self.verdicts
         return {
             "report": str(self.folder / "report.html"),
             "numbers": len(self.numbers),
@@ -45,7 +78,9 @@ class Reproduction:
             "relations": len(self.relations),
             "relations_hold": sum(relation.holds for relation in self.relations),
             "learned": len(self.learned),
-            "learned_hold": sum(relation.holds for relation in self.learned),
+            "learned_hold": verdicts["holds"],
+            "learned_undecided": verdicts["undecided"],
+            "learned_opposite": verdicts["opposite"],
             "seconds": round(self.seconds, 1),
         }
 
@@ -54,8 +89,9 @@ class Reproduction:
         s = self.summary()
         return (
             f"{s['numbers_agree']} of {s['numbers']} published numbers agree, "
-            f"{s['relations_hold']} of {s['relations']} statements about the worlds and "
-            f"{s['learned_hold']} of {s['learned']} about the agents hold\n{s['report']}"
+            f"{s['relations_hold']} of {s['relations']} statements about the worlds hold\n"
+            f"{s['learned']} statements about the learning agents: {in_words(self.verdicts)}\n"
+            f"{s['report']}"
         )
 
     def as_data(self) -> dict[str, Any]:
@@ -65,19 +101,24 @@ class Reproduction:
             "quick": self.quick,
             "seconds": round(self.seconds, 1),
             "budget": self.budget,
-            "settings": frozen_settings(),
+            "settings": learner_settings(self.pace.best),
             "numbers": [asdict(n) | {"agrees": n.agrees} for n in self.numbers],
             "relations": [asdict(r) for r in self.relations],
-            "learned": [asdict(r) for r in self.learned],
+            "learned": [asdict(c) for c in self.learned],
+            "verdicts": self.verdicts,
+            "ensemble_verdicts": self.ensemble_verdicts,
+            "slowness": [asdict(a) | {"outcome": a.outcome} for a in self.associations],
+            "missing": list(self.pace.missing),
+            "decided_after": list(self.pace.after),
             "tables": {
                 e.name: {
-                    "rows": table(e, self.results[e.name]).to_dicts(),
+                    "rows": table(e, self.results[e.name], self.pace).to_dicts(),
                     "converged_at": {
                         result.row.label: list(result.run.converged_at)
                         for result in self.results[e.name]
                     },
                     "comparisons": [
-                        asdict(c) | {"verdict": c.verdict}
+                        asdict(c) | {"outcome": c.outcome, "verdict": c.verdict}
                         for c in comparisons(e, self.results[e.name])
                     ],
                 }

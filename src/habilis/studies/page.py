@@ -1,5 +1,6 @@
 """Pages that need nothing else: templates, with the pictures in them."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +22,17 @@ def render(template: str, **values: Any) -> str:
 
 
 def inlined(path: Path) -> Markup:
-    """An SVG file as part of a page; its ids are made its own, as pages may have each id once."""
+    """An SVG file as part of a page.
+
+    Its ids are made its own, as pages may have each id once; its width in pixels becomes the
+    property `--natural`, by which the style keeps labels readable on narrow screens.
+    """
     svg = path.read_text("utf-8")
     svg = svg[svg.index("<svg") :]
     for prefix in ('id="', 'href="#', "url(#"):
         svg = svg.replace(prefix, f"{prefix}{path.stem}-")
+    points = re.match(r'<svg[^>]*? width="([\d.]+)pt"', svg)
+    if points is not None:
+        natural = round(float(points[1]) * 96 / 72)
+        svg = svg.replace("<svg ", f'<svg style="--natural: {natural}px" ', 1)
     return Markup(svg)  # drawn by us, so safe

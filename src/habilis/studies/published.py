@@ -69,3 +69,6 @@ EXPERIMENTS = (
     ),
 )
 RUNS = 10
+
+REWARDS = {"none": "none", "state": "FOE", "object": "TOE"}
+"""The paper's names of what is added to the reward, by the sensor of the empowerment."""

@@ -16,9 +16,12 @@ from habilis.files import check_folder
 from habilis.learning.display import progress_bars
 from habilis.learning.train import train
 from habilis.studies import figures
-from habilis.studies.learned import learned_relations
+from habilis.studies.learned import learned_claims
 from habilis.studies.numbers import published_numbers
 from habilis.studies.outcome import Reproduction
+from habilis.studies.pace.data import load_pace
+from habilis.studies.pace.picture import slowness_figure
+from habilis.studies.pace.slowness import marks
 from habilis.studies.published import EXPERIMENTS
 from habilis.studies.report import write_report
 from habilis.studies.settings import FULL, QUICK, row_config
@@ -40,9 +43,9 @@ def reproduce(
     """Recomputes every number, statement, table and figure of the paper.
 
     Args:
-        out: the folder to write: `report.html`, `numbers.json`, `table1.csv`, `table2.csv`, the
-            figures and the episodes of every row. Nothing is there before all is done; an
-            earlier reproduction is replaced.
+        out: the folder to write: `report.html`, `numbers.json`, `table1.csv`, `table2.csv`,
+            `slowness.csv`, the figures and the episodes of every row. Nothing is there before all
+            is done; an earlier reproduction is replaced.
         quick: whether to train with the small budget.
         budget: fields of `Config` instead of either budget, such as `{"runs": 2}`.
         show_progress: whether to draw bars on standard error.
@@ -57,9 +60,10 @@ def reproduce(
     out = Path(out)
     _check_replaceable(out)
     budget = budget or (QUICK if quick else FULL)
+    pace = load_pace()
     numbers, relations = published_numbers(), stated_relations()
     rows = [(experiment, row) for experiment in EXPERIMENTS for row in experiment.rows]
-    configs = [row_config(experiment, row, budget) for experiment, row in rows]
+    configs = [row_config(experiment, row, budget, pace.best) for experiment, row in rows]
     labels = [f"{experiment.title}: {row.label}" for experiment, row in rows]
     with progress_bars(labels) if show_progress else nullcontext() as show:
         runs = train(configs, show)
@@ -70,8 +74,9 @@ def reproduce(
         folder=out,
         numbers=numbers,
         relations=relations,
-        learned=learned_relations(results),
+        learned=learned_claims(results, pace.ensemble),
         results=results,
+        pace=pace,
         budget=budget,
         quick=quick,
         seconds=time.perf_counter() - began,
@@ -110,7 +115,7 @@ def _write(reproduction: Reproduction) -> None:
     folder = Path(tempfile.mkdtemp(dir=out.parent, prefix=f".{out.name}-"))
     try:
         _write_data(reproduction, folder)
-        _write_figures(reproduction.results, folder)
+        _write_figures(reproduction, folder)
         write_report(reproduction, folder)
         folder.chmod(0o755)
         _put_in_place(folder, out)
@@ -136,28 +141,33 @@ def _put_in_place(folder: Path, out: Path) -> None:
 def _write_data(reproduction: Reproduction, folder: Path) -> None:
     for experiment in EXPERIMENTS:
         results = reproduction.results[experiment.name]
-        table(experiment, results).write_csv(folder / f"{experiment.name}.csv")
+        table(experiment, results, reproduction.pace).write_csv(folder / f"{experiment.name}.csv")
         for i, result in enumerate(results):
             result.run.episodes.write_parquet(folder / f"{experiment.name}-row{i + 1}.parquet")
+    marks(reproduction.pace.learners).write_csv(folder / "slowness.csv")
     (folder / MARK).write_text(
         json.dumps(reproduction.as_data(), indent=2, default=np.generic.item) + "\n"
     )
 
 
-def _write_figures(results: dict[str, list[Result]], folder: Path) -> None:
-    first, second = results["table1"], results["table2"]
+def _write_figures(reproduction: Reproduction, folder: Path) -> None:
+    first, second = (reproduction.results[name] for name in ("table1", "table2"))
     for experiment in EXPERIMENTS:
         name = experiment.world
         save_picture(load_world(name), folder / f"{name}.svg")
+    for world in reproduction.other_worlds:
+        save_picture(world, folder / f"{world.name}.svg")
     drawn: Sequence[tuple[str, Any]] = (
         ("figure1", figures.figure_1()),
         ("figure2", figures.figure_2(first)),
         ("figure3", figures.figure_3()),
         ("figure4a", figures.figure_4a()),
-        ("figure4b-picker", figures.figure_4b("picker")),
-        ("figure4b-broom", figures.figure_4b("broom")),
+        ("figure4b", figures.figure_4b()),
         ("returns1", figures.returns_figure(first)),
         ("returns2", figures.returns_figure(second)),
     )
     for name, figure in drawn:
         save_figure(figure, folder / f"{name}.svg")
+    if reproduction.pace.learners:
+        figure = slowness_figure(marks(reproduction.pace.learners))
+        save_figure(figure, folder / "slowness.svg")

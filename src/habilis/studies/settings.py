@@ -1,13 +1,15 @@
-"""The A2C settings of the paper's tables, frozen by the calibration."""
+"""The learners of the paper's tables: the fast one, and the headline's at the paper's pace."""
 
 import tomllib
 from pathlib import Path
 from typing import Any
 
 from habilis.learning.config import Config
+from habilis.studies.pace.data import Pair
 from habilis.studies.published import RUNS, Experiment, Row
 
 SETTINGS = Path(__file__).parent / "data" / "settings.toml"
+MAPS = Path(__file__).parent / "data" / "maps"
 
 FULL: dict[str, Any] = {"runs": RUNS, "episodes": 1_000_000, "steps": 10_000_000}
 """Budget of the whole reproduction: about a minute on two processors."""
@@ -16,17 +18,37 @@ QUICK: dict[str, Any] = {"runs": 5, "episodes": 20_000, "steps": 300_000}
 
 
 def frozen_settings() -> dict[str, Any]:
-    """The fields of `Config` that the calibration chose, the same for all rows of both tables."""
+    """The fields of `Config` of the fast learner, the same for all rows of both tables."""
     return tomllib.loads(SETTINGS.read_text("utf-8"))
 
 
-def row_config(experiment: Experiment, row: Row, budget: dict[str, Any]) -> Config:
-    """The configuration of a row of a table."""
-    return Config.from_dict(frozen_settings()).changed(
-        world=experiment.world,
+def learner_settings(pair: Pair | None) -> dict[str, Any]:
+    """The fields of `Config` of a pair's learner, or of the fast one where there is no pair."""
+    return frozen_settings() if pair is None else dict(pair.learner)
+
+
+def row_config(
+    experiment: Experiment, row: Row, budget: dict[str, Any], pair: Pair | None = None
+) -> Config:
+    """The configuration of a row of a table.
+
+    Args:
+        experiment, row: the table and its row.
+        budget: fields of `Config`, such as `FULL`.
+        pair: learner and maps; by default the fast learner on the built-in maps.
+    """
+    world = experiment.world if pair is None else _world(pair.maps[experiment.name])
+    return Config.from_dict(learner_settings(pair)).changed(
+        world=world,
         tool=row.tool,
         intrinsic=row.intrinsic,
         horizon=row.horizon,
         beta=row.beta,
         **budget,
     )
+
+
+def _world(name: str) -> str:
+    """The path of a reconstructed map by its name; a built-in world has its name alone."""
+    path = MAPS / f"{name}.txt"
+    return str(path) if path.is_file() else name

@@ -2,14 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
+from pathlib import Path
 
 import numpy as np
 import polars as pl
-from scipy.stats import mannwhitneyu, rankdata, ttest_ind, ttest_ind_from_stats
+from scipy.stats import ttest_ind, ttest_ind_from_stats
 
 from habilis.learning.runs import Run
+from habilis.studies.pace.data import Learner, Pace
+from habilis.studies.pace.ratios import Ratio, bound, ratio_over
 from habilis.studies.published import RUNS, Experiment, Row
+from habilis.studies.verdicts import Outcome, outcome_of, verdict_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +37,11 @@ class Result:
         had = run.episodes.group_by("run").len().sort("run")["len"].to_list()
         counts = [n if at is None else at for at, n in zip(run.converged_at, had, strict=True)]
         return cls(row, run, np.array(counts, float))
+
+    @property
+    def map(self) -> str:
+        """The name of the map, without the folder and suffix of its file."""
+        return Path(self.run.world.name).stem
 
     @property
     def converged(self) -> int:
@@ -68,14 +76,6 @@ class Result:
         return self.mean / to.mean
 
 
-class Outcome(StrEnum):
-    """What our runs say of an order of the paper's."""
-
-    HOLDS = "holds"
-    OPPOSITE = "opposite"
-    UNDECIDED = "undecided"
-
-
 @dataclass(frozen=True)
 class Comparison:
     """Two rows of a table held against each other.
@@ -83,13 +83,15 @@ class Comparison:
     Attributes:
         faster, slower: labels of the row that is the faster and the slower one in the paper.
         published_ratio, ours_ratio: episodes of the first over episodes of the second.
-        published_p, ours_p: two-sided p-values of Welch's unequal-variances t-test.
-        complete: whether all our runs converged. If not, means are lower bounds, ratio and
-            Welch's test say nothing, and ranks decide.
-        rank_p: two-sided p-value of Mann and Whitney's test, for which it is enough to know that
-            a run that was given up would have taken longer.
-        faster_first: whether our runs of the first row come before those of the second, by
-            their means, or by their ranks where runs were given up.
+        published_p: two-sided p-value of Welch's unequal-variances t-test, of the published means
+            and deviations.
+        ours_p: of the same test on our runs. It does not decide, and says nothing where not all
+            runs converged.
+        complete: whether all our runs converged. If not, means are lower bounds, and the ratio
+            says nothing.
+        superiority: how often a run of the first row comes before one of the second.
+        rank_p: two-sided p-value of Mann and Whitney's test, which decides: for ranks it is enough
+            to know that a run that was given up would have taken longer.
     """
 
     faster: str
@@ -99,20 +101,13 @@ class Comparison:
     published_p: float
     ours_p: float
     complete: bool
+    superiority: float
     rank_p: float
-    faster_first: bool
-
-    @property
-    def p(self) -> float:
-        """Of the test that decides."""
-        return self.ours_p if self.complete else self.rank_p
 
     @property
     def outcome(self) -> Outcome:
-        """Whether our runs show the paper's order, the opposite one, or neither (p = 0.05)."""
-        if not self.p < 0.05:
-            return Outcome.UNDECIDED
-        return Outcome.HOLDS if self.faster_first else Outcome.OPPOSITE
+        """Whether our runs show the paper's order, the opposite one, or neither."""
+        return outcome_of(self.superiority, self.rank_p)
 
     @property
     def verdict(self) -> str:
@@ -122,8 +117,7 @@ class Comparison:
             Outcome.OPPOSITE: "the opposite order",
             Outcome.UNDECIDED: "undecided: not separated",
         }
-        by = "" if self.complete else "by ranks, as runs were given up: "
-        return f"{by}{words[self.outcome]} (p = {self.p:.2g})"
+        return f"{words[self.outcome]} (p = {self.rank_p:.2g})"
 
 
 def comparisons(experiment: Experiment, results: Sequence[Result]) -> list[Comparison]:
@@ -140,8 +134,7 @@ def _compare(fast: Result, slow: Result) -> Comparison:
         *(slow.row.mean, slow.row.deviation, RUNS),
         equal_var=False,
     )
-    complete = fast.all_converged and slow.all_converged
-    below, rank_p = mann_whitney(fast.ranked, slow.ranked)
+    found = verdict_of(fast.ranked, slow.ranked)
     return Comparison(
         faster=fast.row.label,
         slower=slow.row.label,
@@ -149,24 +142,10 @@ def _compare(fast: Result, slow: Result) -> Comparison:
         ours_ratio=fast.ratio(slow),
         published_p=float(published.pvalue),
         ours_p=welch(fast.counts, slow.counts),
-        complete=complete,
-        rank_p=rank_p,
-        faster_first=fast.mean < slow.mean if complete else below > 0.5,
+        complete=fast.all_converged and slow.all_converged,
+        superiority=found.superiority,
+        rank_p=found.p,
     )
-
-
-def mann_whitney(a: np.ndarray, b: np.ndarray) -> tuple[float, float]:
-    """How often a value of the first is below one of the second (ties count half), and p.
-
-    p is two-sided, by the normal approximation with ties and continuity corrected; 1 where all
-    values are equal.
-    """
-    below = float((np.less.outer(a, b) + 0.5 * np.equal.outer(a, b)).mean())
-    ranks = rankdata(np.concatenate([a, b]))
-    if np.ptp(ranks) == 0:
-        return below, 1.0
-    test = mannwhitneyu(ranks[: len(a)], ranks[len(a) :], method="asymptotic")
-    return below, float(test.pvalue)
 
 
 def welch(a: np.ndarray, b: np.ndarray) -> float:
@@ -183,17 +162,22 @@ def welch(a: np.ndarray, b: np.ndarray) -> float:
 
 def _ratio_is(result: Result, base: Result) -> str:
     """What the ratio of two means is where one of them, or both, are lower bounds."""
-    if result is base or (result.all_converged and base.all_converged):
-        return "exact"
-    if base.all_converged:
-        return "at least"
-    return "at most" if result.all_converged else "unknown"
+    return "exact" if result is base else bound(result.all_converged, base.all_converged)
 
 
-def table(experiment: Experiment, results: Sequence[Result]) -> pl.DataFrame:
+def table(
+    experiment: Experiment, results: Sequence[Result], pace: Pace | None = None
+) -> pl.DataFrame:
     """A row for each of the paper's, with ours beside it; ratios are to the vanilla row.
 
-    There is no median where half of the runs or more were given up.
+    There is no median where half of the runs or more were given up. Outcomes are of the statement
+    that a row with a bonus comes before the vanilla one.
+
+    Args:
+        experiment: which table.
+        results: its rows, by the learner of the reproduction.
+        pace: what else was trained: the same with 30 runs ("thirty_..."), and the ratio over an
+            ensemble of learners and maps with its 95 % interval ("ensemble_..."); null without.
     """
     vanilla = {result.row.tool: result for result in results if result.row.vanilla}
     rows = []
@@ -213,6 +197,73 @@ def table(experiment: Experiment, results: Sequence[Result]) -> pl.DataFrame:
                 "runs": len(result.counts),
                 "mean_is_lower_bound": not result.all_converged,
                 "ratio_is": _ratio_is(result, base),
+                "outcome": None if row.vanilla else _compare(result, base).outcome.value,
             }
+            | _thirty(None if pace is None else pace.thirty, experiment, row, base.row)
+            | _ensemble(() if pace is None else pace.ensemble, experiment, row, base.row)
         )
-    return pl.DataFrame(rows, schema_overrides={"ours_median": pl.Float64})
+    return pl.DataFrame(rows, schema_overrides=_MAY_BE_NULL)
+
+
+_MAY_BE_NULL: dict[str, type[pl.DataType]] = {
+    "ours_median": pl.Float64,
+    "outcome": pl.String,
+    **dict.fromkeys(("thirty_mean", "thirty_std", "thirty_ratio"), pl.Float64),
+    **dict.fromkeys(("thirty_converged", "thirty_runs"), pl.Int64),
+    "thirty_outcome": pl.String,
+    **dict.fromkeys(("ensemble_ratio", "ensemble_low", "ensemble_high"), pl.Float64),
+    "ensemble_ratio_is": pl.String,
+    **dict.fromkeys(("ensemble_pairs", "ensemble_converged", "ensemble_runs"), pl.Int64),
+    **dict.fromkeys(("ensemble_vanilla_converged", "ensemble_vanilla_runs"), pl.Int64),
+    **dict.fromkeys(("ensemble_superiority", "ensemble_p"), pl.Float64),
+    "ensemble_outcome": pl.String,
+}
+
+
+def _thirty(
+    learner: Learner | None, experiment: Experiment, row: Row, vanilla: Row
+) -> dict[str, object]:
+    """The columns of more runs by the same learner."""
+    none = dict.fromkeys(name for name in _MAY_BE_NULL if name.startswith("thirty_"))
+    agent = None if learner is None else learner.agent(experiment, row)
+    base = None if learner is None else learner.agent(experiment, vanilla)
+    if agent is None:
+        return none
+    had = agent.budgeted()
+    found = none | {
+        "thirty_mean": float(had.mean()),
+        "thirty_std": float(had.std(ddof=1)) if len(had) > 1 else 0.0,
+        "thirty_converged": agent.came(),
+        "thirty_runs": agent.runs,
+    }
+    if base is None:
+        return found
+    found["thirty_ratio"] = float(had.mean() / base.budgeted().mean())
+    if row != vanilla:
+        sides = (one.counts["convergence"] for one in (agent, base))
+        found["thirty_outcome"] = verdict_of(*sides).outcome.value
+    return found
+
+
+def _ensemble(
+    learners: Sequence[Learner], experiment: Experiment, row: Row, vanilla: Row
+) -> dict[str, object]:
+    """The columns of the ensemble."""
+    none = dict.fromkeys(name for name in _MAY_BE_NULL if name.startswith("ensemble_"))
+    found: Ratio | None = ratio_over(learners, experiment, row, vanilla)
+    if found is None or row == vanilla:
+        return none
+    return {
+        "ensemble_ratio": found.middle,
+        "ensemble_low": found.low,
+        "ensemble_high": found.high,
+        "ensemble_ratio_is": found.is_what,
+        "ensemble_pairs": found.learners,
+        "ensemble_converged": found.converged,
+        "ensemble_runs": found.runs,
+        "ensemble_vanilla_converged": found.vanilla_converged,
+        "ensemble_vanilla_runs": found.vanilla_runs,
+        "ensemble_superiority": found.verdict.superiority,
+        "ensemble_p": found.verdict.p,
+        "ensemble_outcome": found.outcome.value,
+    }

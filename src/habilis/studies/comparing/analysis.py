@@ -11,9 +11,7 @@ from jaxtyping import Float
 from habilis.learning.intervals import bootstrap_interval
 from habilis.studies.comparing.study import Measure, Study
 from habilis.studies.multiverse.study import iqm
-from habilis.studies.tables import Outcome, mann_whitney
-
-SIGNIFICANT = 0.05
+from habilis.studies.verdicts import Outcome, mann_whitney, outcome_of
 
 
 def values_of(runs: pl.DataFrame, measure: Measure) -> Float[np.ndarray, "runs"]:
@@ -83,9 +81,7 @@ class Comparison:
     @property
     def outcome(self) -> Outcome:
         """Whether the agent is the better one, the other is, or nobody can say."""
-        if not self.p < SIGNIFICANT:
-            return Outcome.UNDECIDED
-        return Outcome.HOLDS if self.superiority > 0.5 else Outcome.OPPOSITE
+        return outcome_of(self.superiority, self.p)
 
 
 def comparisons(study: Study, runs: pl.DataFrame) -> list[Comparison]:

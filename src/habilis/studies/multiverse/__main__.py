@@ -6,7 +6,7 @@ from pathlib import Path
 
 from habilis.files import check_folder
 from habilis.learning.interruption import Interrupted
-from habilis.studies.multiverse.report import write_study
+from habilis.studies.multiverse.report import write_page, write_study
 from habilis.studies.multiverse.settings import agents, all_maps
 from habilis.studies.multiverse.study import Study, joined
 from habilis.sweeps.command import progress_bar
@@ -16,8 +16,17 @@ from habilis.sweeps.sweep import sweep
 def main() -> int:
     parser = argparse.ArgumentParser(prog="habilis.studies.multiverse", description=__doc__)
     parser.add_argument("--out", type=Path, required=True, help="where the page and data go")
-    parser.add_argument("--work", type=Path, required=True, help="where finished runs are kept")
+    parser.add_argument(
+        "--work", type=Path, default=Path("multiverse"), help="where finished runs are kept"
+    )
+    parser.add_argument(
+        "--page", action="store_true", help="write the page alone, of what is in --out"
+    )
     args = parser.parse_args()
+    if args.page:
+        write_page(Study.read(args.out), args.out)
+        print(args.out / "report.html")
+        return 0
     everyone = agents(all_maps())
     try:
         check_folder(args.out)

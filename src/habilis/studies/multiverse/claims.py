@@ -7,7 +7,7 @@ import numpy as np
 import polars as pl
 from jaxtyping import Float
 
-from habilis.studies.tables import Outcome, mann_whitney
+from habilis.studies.verdicts import Outcome, Verdict, verdict_of
 from habilis.sweeps.tasks import BLOCK
 
 MEASURES = ("episodes", "steps", "first success")
@@ -67,28 +67,6 @@ CLAIMS = (
 claim is about the two tools as the one before; a test holds that fact."""
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """What the runs of one setting say of a claim.
-
-    Attributes:
-        superiority: how often a run of the agent that should come first did (ties count half).
-        p: two-sided, Mann and Whitney's; runs that were given up took longer than all others.
-        sooner_converged, later_converged: how many of the runs came so far at all.
-    """
-
-    superiority: float
-    p: float
-    sooner_converged: int
-    later_converged: int
-
-    @property
-    def outcome(self) -> Outcome:
-        if not self.p < 0.05:
-            return Outcome.UNDECIDED
-        return Outcome.HOLDS if self.superiority > 0.5 else Outcome.OPPOSITE
-
-
 def counts(runs: pl.DataFrame, measure: str) -> Float[np.ndarray, "runs"]:
     """One of `MEASURES` for each run; infinite where a run did not come so far."""
     if measure == "first success":
@@ -107,9 +85,7 @@ def _first(curve: Float[np.ndarray, "n"], wanted: float) -> float:
 
 def verdict(sooner: pl.DataFrame, later: pl.DataFrame, measure: str) -> Verdict:
     """Two agents' runs held against each other."""
-    a, b = counts(sooner, measure), counts(later, measure)
-    superiority, p = mann_whitney(a, b)
-    return Verdict(superiority, p, int(np.isfinite(a).sum()), int(np.isfinite(b).sum()))
+    return verdict_of(counts(sooner, measure), counts(later, measure))
 
 
 def multiverse(results: pl.DataFrame) -> pl.DataFrame:

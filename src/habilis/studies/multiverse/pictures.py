@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from habilis.learning.intervals import bootstrap_interval, interquartile_mean
-from habilis.studies.tables import Outcome
+from habilis.studies.axes import LABEL_SIZE, episodes_axis, mark_best, returns_axis
+from habilis.studies.verdicts import Outcome
 
 HOLDS, UNDECIDED, OPPOSITE = "#0072b2", "#d9dde3", "#d55e00"  # Okabe and Ito
 _OUTCOMES = {Outcome.HOLDS: HOLDS, Outcome.UNDECIDED: UNDECIDED, Outcome.OPPOSITE: OPPOSITE}
@@ -173,12 +174,13 @@ def curves_figure(
             x = 100 * (np.arange(table.shape[1]) + 1)
             ax.plot(x, interquartile_mean(table), color=colour, label=name, linewidth=1.4)
             ax.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
-        ax.axhline(best[title], color="#5b6270", linewidth=0.8, linestyle=":")
-        ax.set(title=title, xlabel="episode", yscale="symlog", xscale="log")
-        ax.set_ylim(top=0.75 * best[title])
+        longest = max(100 * table.shape[1] for table in agents.values())
+        episodes_axis(ax.xaxis, "episodes (mean over each 100)", 100, longest)
+        returns_axis(ax, best[title], "return" if ax is axes[0] else "")
+        mark_best(ax, best[title])
+        ax.set_title(title, fontsize=LABEL_SIZE)
         ax.legend(frameon=False, fontsize=8, loc="lower right")
         ax.spines[["top", "right"]].set_visible(False)
-    axes[0].set_ylabel("return (dotted: best)")
     figure.tight_layout()
     return figure
 

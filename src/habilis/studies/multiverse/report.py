@@ -14,7 +14,6 @@ from habilis.studies.multiverse.settings import (
     HORIZONS,
     LEARNERS,
     RUNS,
-    SHAPINGS,
 )
 from habilis.studies.multiverse.study import Study, aggregate, paper_curves
 from habilis.studies.page import inlined, render
@@ -35,6 +34,16 @@ def write_study(study: Study, folder: Path) -> None:
         write_whole(folder / f"{name}.csv", frame.write_csv)
     for name, figure in _figures(study):
         save_figure(figure, folder / f"{name}.svg")
+    write_page(study, folder)
+
+
+def write_page(study: Study, folder: Path) -> None:
+    """Writes `report.html` into the folder that holds the pictures, which go into the page.
+
+    Args:
+        study: what it says; the runs' learning curves are not needed.
+        folder: as `write_study` leaves it.
+    """
     page = render(
         "multiverse.html",
         figure=lambda name: inlined(folder / f"{name}.svg"),
@@ -43,14 +52,11 @@ def write_study(study: Study, folder: Path) -> None:
         maps=claims.shares(study.maps, ["measure"]).to_dicts(),
         map_names=study.maps["map"].unique().sort().to_list(),
         rows=study.rows.to_dicts(),
-        aggregate=aggregate(study.runs).to_dicts(),
-        optima=study.optima.to_dicts(),
         settings=settings_count(study),
         learners=LEARNERS,
         betas=BETAS,
         horizons=HORIZONS,
         runs=RUNS,
-        shapings=SHAPINGS,
         trained=len(study.runs),
     )
     write_whole(folder / "report.html", lambda file: file.write(page.encode()))

@@ -4,6 +4,7 @@ python -m habilis.studies.multiverse --out docs/multiverse --work multiverse
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import polars as pl
@@ -63,6 +64,12 @@ class Study:
             optima=optima(),
             rows=rows(runs.filter(part="shaping")),
         )
+
+    @classmethod
+    def read(cls, folder: Path) -> "Study":
+        """What `report.write_study` wrote; the runs without their learning curves."""
+        names = ("runs", "multiverse", "maps", "optima", "rows")
+        return cls(**{n: pl.read_csv(folder / f"{n}.csv", infer_schema_length=None) for n in names})
 
     def changed(self) -> pl.DataFrame:
         """Claim, horizon and beta where the best policy is no longer good enough to converge."""

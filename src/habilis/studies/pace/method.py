@@ -1,0 +1,79 @@
+"""How the calibration at the paper's pace was done, in sentences, as far as it is checked in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import polars as pl
+
+from habilis.studies.pace.data import FILES, Pace, Pair
+from habilis.studies.published import EXPERIMENTS
+
+
+@dataclass(frozen=True)
+class Method:
+    """What the method section lists.
+
+    Attributes:
+        screened, confirmed: what these stages were, in a sentence; `None` while they are missing.
+        pairs: the frozen pairs: number, setting, maps, and the learner's fields in words.
+        maps: of the best pair's setting, each vanilla row on every map it was confirmed on.
+        after: what was decided after agents with a bonus had been seen.
+        missing: what is not there, a phrase each.
+    """
+
+    screened: str | None
+    confirmed: str | None
+    pairs: Sequence[dict[str, Any]]
+    maps: Sequence[dict[str, Any]]
+    after: Sequence[str]
+    missing: Sequence[str]
+
+
+def method_of(pace: Pace) -> Method:
+    """The method, as far as the files say it."""
+    return Method(
+        screened=_stage(pace.screened),
+        confirmed=_stage(pace.confirmed),
+        pairs=[_pair(number, pair) for number, pair in enumerate(pace.pairs, 1)],
+        maps=_maps(pace.confirmed, pace.best),
+        after=pace.after,
+        missing=[f"{name} ({FILES[name]})" for name in pace.missing],
+    )
+
+
+def _stage(rows: pl.DataFrame | None) -> str | None:
+    """How many settings, on how many maps, with how many runs of each vanilla agent.
+
+    Example:
+        >>> _stage(pl.DataFrame({"setting": [1, 1, 2], "map": ["a", "b", "a"], "runs": [5, 5, 5]}))
+        '2 settings on 2 maps, 5 runs of each vanilla agent'
+    """
+    if rows is None:
+        return None
+    settings, maps = (rows[name].n_unique() for name in ("setting", "map"))
+    runs = " or ".join(str(n) for n in rows["runs"].unique().sort())
+    plural = ("s" if settings != 1 else "", "s" if maps != 1 else "")
+    return f"{settings:,} setting{plural[0]} on {maps} map{plural[1]}, {runs} runs of each vanilla agent"
+
+
+def _pair(number: int, pair: Pair) -> dict[str, Any]:
+    maps = ", ".join(pair.maps[e.name] for e in EXPERIMENTS)
+    fields = ", ".join(f"{name} {value}" for name, value in pair.learner.items())
+    return {"pair": number, "setting": pair.setting, "maps": maps, "learner": fields}
+
+
+def _maps(confirmed: pl.DataFrame | None, best: Pair | None) -> list[dict[str, Any]]:
+    """The best setting's vanilla agents on every map: how much the choice of map changes."""
+    if confirmed is None or best is None:
+        return []
+    rows = confirmed.filter(setting=best.setting).sort("map", "tool")
+    found = []
+    for row in rows.iter_rows(named=True):
+        counts = [int(word) for word in row["episodes"].split() if word != "-"]
+        counts = pl.Series(counts, dtype=pl.Float64)
+        found.append(
+            {name: row[name] for name in ("map", "tool", "converged", "runs")}
+            | {"mean": counts.mean(), "deviation": counts.std()}
+        )
+    return found
