@@ -62,6 +62,14 @@ def test_a_record_is_over_when_all_its_episodes_say_so(seed, budget, restored):
             return
 
 
+@pytest.mark.parametrize(("budget", "converged_at"), [(2098, None), (2099, 2099), (2100, 2099)])
+def test_episodes_beyond_the_budget_do_not_count(budget, converged_at):
+    mine = record(budget)
+    add(mine, np.full(2_500, 5))
+    assert (mine.ended, mine.converged_at) == (True, converged_at)
+    assert mine.count == min(budget, 2099)
+
+
 def test_what_a_stretch_will_add_is_worked_out_without_a_change():
     mine = record(episodes=100)
     add(mine, np.array([3, 4]))
