@@ -4,7 +4,7 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate reconstruct survey \
+.PHONY: test test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct survey \
 	bench bench-sb3 page studio-picture clean
 
 # Side by side on all processors, the tests of a file together.
@@ -57,6 +57,11 @@ docs: $(INSTALLED)
 # Chooses the A2C settings of the paper's tables anew, on the vanilla rows alone. Half an hour.
 calibrate: $(INSTALLED)
 	$(BIN)/python -m habilis.studies.calibrate
+
+# The calibration at the paper's pace, its first stage: research/README.md has the others. Many hours
+# on two processors; goes on where it was stopped.
+pace: $(INSTALLED)
+	$(BIN)/python research/pace/runs.py screen --out src/habilis/studies/data/pace/screen.csv
 
 # Searches for the other maps in src/habilis/studies/data/maps anew. An hour.
 reconstruct: $(INSTALLED)

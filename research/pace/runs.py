@@ -3,9 +3,12 @@
     python research/pace/runs.py screen --out screen.csv                 # everything: many hours
     python research/pace/runs.py screen --parts 0 --out screen-0.csv     # one structure
     python research/pace/runs.py confirm --settings 3,14 --out confirm.csv
+    python research/pace/runs.py ensemble --out ensemble.csv
+    python research/pace/runs.py thirty --out thirty.csv
 
-A file is added to, and what it has is not trained again. No agent here has a bonus. What is not in
-the budget of `--seconds` is left for another time.
+The first two train vanilla agents alone; the others need the frozen pairs of `ranking.py`, whose
+agents they train, those with a bonus too. A file is added to, and what it has is not trained again:
+what there is no time for within `--seconds` is left for another call.
 """
 
 import argparse
@@ -23,15 +26,19 @@ from habilis.files import write_whole
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
+from habilis.studies.pace.data import Pair, load_pace
+from habilis.studies.published import EXPERIMENTS, REWARDS
+from habilis.studies.settings import MAPS, row_config
 
 SCREEN: Setting = {"runs": 5, "seed": 31_001, "episodes": 1_000_000, "steps": 15_000_000}
 CONFIRM: Setting = {"runs": 10, "seed": 32_001, "episodes": 1_000_000, "steps": 15_000_000}
+ENSEMBLE: Setting = {"runs": 10, "seed": 33_001, "episodes": 1_000_000, "steps": 15_000_000}
+THIRTY: Setting = {"runs": 30, "seed": 34_001, "episodes": 1_000_000, "steps": 15_000_000}
 GOES_ON = 3
 """Of five runs, how many must converge in a row before the setting's next row is trained, for the
 rank is that of the worst row."""
-MAPS = Path(__file__).parents[2] / "src/habilis/studies/data/maps"
 
-CORRIDOR, YARD = "corridor-b", "yard-b"
+CORRIDOR, YARD = (experiment.world for experiment in EXPERIMENTS)
 ROWS = ((CORRIDOR, "picker"), (YARD, "broom"), (YARD, "picker"))
 """World and tool of the vanilla rows, those in which agents most often fail first."""
 
@@ -52,13 +59,22 @@ def main() -> None:
     if args.stage == "screen":
         for group in groups:
             screen(group, args.out, stopped, args.lanes)
+    elif args.stage in ("ensemble", "thirty"):
+        pairs = load_pace().pairs
+        if not pairs:
+            raise SystemExit("no pairs are frozen; write data/pace/pairs.toml with ranking.py")
+        if args.stage == "ensemble":
+            for number, pair in enumerate(pairs, 1):
+                ensemble(number, pair, ENSEMBLE, args.out, stopped, args.lanes)
+        else:
+            ensemble(1, pairs[0], THIRTY, args.out, stopped, args.lanes)
     else:
         for world, tool in [*ROWS, *other_maps()]:
             for group in groups:
                 trained(group, world, tool, CONFIRM, args.out, stopped, args.lanes)
 
 
-def screen(numbers: Sequence[int], out: Path, stopped: Any, lanes: int | None) -> None:
+def screen(numbers: Sequence[int], out: Path, stopped: Any, lanes: int | None = None) -> None:
     """Each vanilla row in turn, of those settings that did not fail in the one before."""
     left = list(numbers)
     for world, tool in ROWS:
@@ -99,6 +115,37 @@ def trained(
     return done
 
 
+def ensemble(
+    number: int, pair: Pair, budget: Setting, out: Path, stopped: Any, lanes: int | None = None
+) -> None:
+    """Adds what a frozen pair's agents do in the rows of both tables to a file."""
+    done = read(out, ("pair", "map", "tool", "reward"))
+    for experiment in EXPERIMENTS:
+        world = pair.maps[experiment.name]
+        todo = [
+            row
+            for row in experiment.rows
+            if (number, world, row.tool, REWARDS[row.intrinsic]) not in done
+        ]
+        if not todo or stopped():
+            continue
+        jobs = [Job.of(i, row_config(experiment, row, budget, pair)) for i, row in enumerate(todo)]
+        train_jobs(jobs, stopped=stopped, lanes=lanes)
+        for row, job in zip(todo, jobs, strict=True):
+            if not all(record.ended for record in job.records):
+                continue
+            key = number, world, row.tool, REWARDS[row.intrinsic]
+            names = ("pair", "map", "tool", "reward")
+            maps = {"corridor": pair.maps["table1"], "yard": pair.maps["table2"]}
+            done[key] = (
+                dict(zip(names, key, strict=True))
+                | {"setting": pair.setting, "horizon": row.horizon, "beta": row.beta}
+                | maps
+                | outcome(job)
+            )
+        _write(out, done)
+
+
 def other_maps() -> list[tuple[str, str]]:
     """Every other map, with the tools of the vanilla rows."""
     names = sorted(path.stem for path in MAPS.glob("*.txt"))
@@ -106,15 +153,15 @@ def other_maps() -> list[tuple[str, str]]:
     return [(name, tool) for name in names for tool in tools[name.partition("-")[0]]]
 
 
-def read(path: Path) -> Done:
-    """The lines of a file by setting, map and tool; none where there is no file."""
+def read(path: Path, by: Sequence[str] = ("setting", "map", "tool")) -> dict[Any, Line]:
+    """The lines of a file by some of its columns, the first a number; none without a file."""
     if not path.exists():
         return {}
     with path.open(newline="") as file:
-        return {(int(r["setting"]), r["map"], r["tool"]): r for r in csv.DictReader(file)}
+        return {(int(r[by[0]]), *(r[name] for name in by[1:])): r for r in csv.DictReader(file)}
 
 
-def _write(path: Path, done: Done) -> None:
+def _write(path: Path, done: dict[Any, Line]) -> None:
     lines = [done[key] for key in sorted(done)]
     if not lines:
         return
@@ -125,17 +172,18 @@ def _write(path: Path, done: Done) -> None:
 
 
 def _line(number: int, world: str, tool: str, setting: Setting, job: Job) -> Line:
-    records = job.records
     fields = Config.from_dict(setting).as_dict()
     names = sorted(name for name in fields if name in setting)
     shown = {n: "-".join(map(str, v)) if isinstance(v := fields[n], tuple) else v for n in names}
+    return {"setting": number, **shown, "map": world, "tool": tool, **outcome(job)}
+
+
+def outcome(job: Job) -> Line:
+    """What the runs of an agent came to."""
+    records = job.records
     at = [record.converged_at for record in records]
     first = [first_success(r.episodes()[:, 1], job.best_return) for r in records]
     return {
-        "setting": number,
-        **shown,
-        "map": world,
-        "tool": tool,
         "runs": len(records),
         "converged": sum(n is not None for n in at),
         "episodes": _words(at),
@@ -163,7 +211,7 @@ def _words(numbers: Iterable[int | None]) -> str:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("stage", choices=("screen", "confirm"))
+    parser.add_argument("stage", choices=("screen", "confirm", "ensemble", "thirty"))
     parser.add_argument("--parts", type=_numbers, default=[], help="structures, by number")
     parser.add_argument("--settings", type=_numbers, default=list(range(len(settings()))))
     parser.add_argument("--together", type=int, default=6, help="settings trained side by side")
