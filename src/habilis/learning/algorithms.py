@@ -199,4 +199,4 @@ def _check_network(algorithm: A2C | PPO) -> None:
     one_of(algorithm, "activation", ACTIVATIONS)
     one_of(algorithm, "initialisation", INITIALISATIONS)
     if algorithm.unbiased and not algorithm.normalise:
-        raise ValueError("unbiased is True and normalise False; give normalise, or leave it out")
+        raise ValueError("unbiased is True and normalise False; turn on normalise, or turn off unbiased")

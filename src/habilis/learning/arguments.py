@@ -6,7 +6,7 @@ from typing import Any
 
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.config import Config
-from habilis.learning.presets import PRESETS, preset_fields
+from habilis.learning.presets import PRESETS, with_preset
 
 _NOT_OPTIONS = ("world", "tool", "algorithm")  # the first two are arguments of many verbs
 
@@ -49,8 +49,7 @@ def config_from_args(args: argparse.Namespace) -> Config:
     """
     known = {f.name for kind in (Config, *ALGORITHMS.values()) for f in fields(kind)}
     given = {name: value for name, value in vars(args).items() if name in known}
-    named = {} if args.preset is None else preset_fields(args.preset)
-    return Config.from_dict(named | given)
+    return Config.from_dict(given if args.preset is None else with_preset(args.preset, given))
 
 
 def _add(parser: Any, f: Field, defaults: str) -> None:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
+from jaxtyping import Float, Int
 
 from habilis.learning.compilation import keep_compiled
 from habilis.learning.jobs import Job
@@ -108,7 +109,7 @@ def _next_batch(waiting: list[Seat]) -> list[Seat]:
     waiting.sort(key=lambda seat: (seat.job.records[seat.run].steps, seat.job.index, seat.run))
 
     def kind(job: Job) -> tuple:
-        return job.world, job.conditions, job.program
+        return job.world, job.conditions, job.config.observation, job.program
 
     same = [seat for seat in waiting if kind(seat.job) == kind(waiting[0].job)]
     batch = same[:LANES]
@@ -135,15 +136,27 @@ def _enter(seats: list[Seat], lanes: list[Lane], log: Log) -> None:
     for place, ((job, run), lane) in enumerate(zip(seats, lanes, strict=True)):
         record = job.records[run]
         envs = log.transition.shape[-1]
-        _check_finite(job, run, np.asarray(log.loss[place]), (lane.learner, lane.novelty))
+        made = np.asarray(log.transition[place] >= 0).sum(axis=(1, 2))
+        _check_finite(job, run, np.asarray(log.loss[place]), made, (lane.learner, lane.novelty))
         did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
         transition, truncated = (part.reshape(-1, envs) for part in did)
         record.add(transition, truncated, float(log.loss[place].mean(dtype=np.float64)))
         job.lanes[run] = lane
 
 
-def _check_finite(job: Job, run: int, loss: np.ndarray, learned: object) -> None:
+def _check_finite(
+    job: Job,
+    run: int,
+    loss: Float[np.ndarray, "updates"],
+    made: Int[np.ndarray, "updates"],
+    learned: object,
+) -> None:
     """Refuses what a run has come to, if it is no numbers.
+
+    Args:
+        job, run: which run.
+        loss, made: of each update, its loss and how many steps it had.
+        learned: what the run has learned at the end of the stretch.
 
     Raises:
         NotFiniteError: a loss is not finite, or what was learned at the end of the stretch.
@@ -155,8 +168,7 @@ def _check_finite(job: Job, run: int, loss: np.ndarray, learned: object) -> None
         what, updates = "parameters", len(loss)
     else:
         return
-    record, algorithm = job.records[run], job.config.algorithm
-    step = record.steps + updates * algorithm.envs * algorithm.rollout
+    step = job.records[run].steps + int(made[:updates].sum())
     raise NotFiniteError(
         job,
         run,
