@@ -18,7 +18,7 @@ from updates import (
 
 from habilis.learning.algorithms import A2C, PPO
 from habilis.learning.config import Config
-from habilis.learning.presets import PRESETS, preset
+from habilis.learning.presets import preset
 
 SMALL: dict[str, Any] = {
     "envs": 4,

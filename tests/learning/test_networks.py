@@ -1,5 +1,7 @@
 """Initial weights, and gradients by hand, of every kind of network."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -11,7 +13,7 @@ from habilis.learning.networks import ACTIVATIONS, Network, Separate, actor_crit
 ROWS, FACTORS, ACTIONS, HIDDEN = 90, 3, 40, (80, 60)
 
 
-def network(kind="shared", activation="tanh", initialisation="lecun", hidden=HIDDEN):
+def network(kind="shared", activation="tanh", initialisation="lecun", hidden=HIDDEN) -> Any:
     key = jax.random.key(5)
     return actor_critic_network(
         kind, ROWS, FACTORS, ACTIONS, hidden, key, activation, initialisation
@@ -35,7 +37,9 @@ def test_lecun_weights_have_variance_one_by_the_inputs_and_the_last_layer_is_sma
         inputs = [FACTORS, *HIDDEN]
         gains = [1.0, 1.0, 0.01]
         for (weight, bias), n, gain in zip(one, inputs, gains, strict=True):
-            assert weight.std() * np.sqrt(n) / gain == pytest.approx(1, abs=5 / np.sqrt(weight.size))
+            assert weight.std() * np.sqrt(n) / gain == pytest.approx(
+                1, abs=5 / np.sqrt(weight.size)
+            )
             assert (bias == 0).all()
 
 

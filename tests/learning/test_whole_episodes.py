@@ -35,7 +35,7 @@ def test_each_environment_makes_one_episode_an_update(made):
     for update, rollout in zip(made, rollouts_of(mdp, COUNTS, made), strict=True):
         ended = rollout.terminated | rollout.truncated
         np.testing.assert_array_equal(ended.sum(axis=0), 1)
-        lengths = rollout.mask.sum(axis=0)
+        lengths = np.asarray(rollout.mask).sum(axis=0)
         np.testing.assert_array_equal(ended.argmax(axis=0) + 1, lengths)
         np.testing.assert_array_equal(update.after.place.steps, 0)
         np.testing.assert_array_equal(update.after.place.state, mdp.start)
@@ -48,7 +48,7 @@ def test_steps_and_episodes_are_those_that_were_made(made):
     steps = 0
     for number, update in enumerate(made):
         transition = update.log.transition[0]
-        record.add(transition, update.log.truncated[0], 0.0)
+        record.add(np.asarray(transition), np.asarray(update.log.truncated[0]), 0.0)
         steps += int((transition >= 0).sum())
         assert record.steps == int(update.after.done.steps) == steps
         assert record.count == int(update.after.done.episodes) == 6 * (number + 1)
@@ -97,7 +97,9 @@ def endless(limit_is_terminal: bool, **changes) -> np.ndarray:
     return learn(mdp, config.changed(**changes)).values
 
 
-@pytest.mark.parametrize("change", [{}, {"rollout": 0}, {"rollout": 3, "networks": "separate"}], ids=str)
+@pytest.mark.parametrize(
+    "change", [{}, {"rollout": 0}, {"rollout": 3, "networks": "separate"}], ids=str
+)
 def test_with_the_limit_as_terminal_the_cut_off_task_is_what_is_valued(change):
     np.testing.assert_allclose(endless(True, **change), [1.875, 1.75, 1.5, 1.0], atol=0.05)
 

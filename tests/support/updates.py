@@ -79,9 +79,7 @@ def parameters_of(network: Any) -> Parameters:
 
     if isinstance(network, Network):
         *trunk, (weight, bias) = layers(network)
-        return Parameters(
-            [(weight[:, :-1], bias[:-1])], [(weight[:, -1:], bias[-1:])], trunk
-        )
+        return Parameters([(weight[:, :-1], bias[:-1])], [(weight[:, -1:], bias[-1:])], trunk)
     return Parameters(layers(network.policy), layers(network.value))
 
 
@@ -102,7 +100,7 @@ def rollouts_of(mdp: TabularMDP, config: Config, made: list[Update]) -> list[Rol
     inputs = inputs_of(mdp, config.observation)
     found, taken, episodes = [], 0, 0
     for update in made:
-        transition, truncated = update.log.transition[0], update.log.truncated[0]
+        transition, truncated = (np.asarray(part[0]) for part in update.log[:2])
         mask = transition >= 0
         state, action = np.divmod(np.where(mask, transition, 0), mdp.action_count)
         reached = mdp.next_state[state, action]
@@ -133,12 +131,19 @@ def reference_settings(config: Config) -> dict[str, Any]:
     """The settings that the reference knows, by their names."""
     known = {f.name for f in fields(Settings)}
     given = {name: value for name, value in config.as_dict().items() if name in known}
-    return given | {"normalise_over": "minibatch" if name_of(config.algorithm) == "ppo" else "rollout"}
+    return given | {
+        "normalise_over": "minibatch" if name_of(config.algorithm) == "ppo" else "rollout"
+    }
 
 
-def reference_updates(config: Config, made: list[Update], rollouts: list[Rollout]) -> list[list[Step]]:
+def reference_updates(
+    config: Config, made: list[Update], rollouts: list[Rollout]
+) -> list[list[Step]]:
     """The steps of each update, all from the run's initial weights."""
-    parameters, settings = parameters_of(made[0].before.learner.parameters), reference_settings(config)
+    parameters, settings = (
+        parameters_of(made[0].before.learner.parameters),
+        reference_settings(config),
+    )
     if not isinstance(config.algorithm, PPO):
         return [[step] for step in steps(parameters, rollouts, **settings)]
     found, moments = [], None

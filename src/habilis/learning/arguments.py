@@ -16,7 +16,8 @@ def add_config_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--preset",
         choices=tuple(PRESETS),
-        help="a published learner, whose settings take the place of the defaults below",
+        help="a published learner (Graesser and Keng 2019), whose settings take the place of the "
+        "defaults below; options given besides take precedence",
     )
     for f in fields(Config):
         if f.name == "algorithm":

@@ -67,6 +67,11 @@ class Program:
         return _MODULES[name_of(self.algorithm)]
 
     @property
+    def steps(self) -> int:
+        """Environment steps of one lane in a stretch, at most."""
+        return self.updates * self.algorithm.envs * self.steps_between
+
+    @property
     def whole_episodes(self) -> bool:
         """Whether an update has one episode of each environment, however long."""
         return self.algorithm.rollout == 0

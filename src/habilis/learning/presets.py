@@ -1,11 +1,11 @@
 """Learners that others have published, by name.
 
-Those of Graesser and Keng, *Foundations of Deep Reinforcement Learning* (2019), which the paper cites
-for A2C, have the values of the specifications in its library, SLM-Lab 4.1.1 (`slm_lab/spec`), and
-its semantics: separate networks, each with an optimiser and a clip of its own; PyTorch's RMSprop;
-advantages standardised with the unbiased deviation over the whole batch; the time limit treated as
-terminal. What they say of their environments is left out: the lander's four frames in one
-observation, and budgets.
+Those of Graesser and Keng, *Foundations of Deep Reinforcement Learning* (2019), which the paper
+cites for A2C, have the values of the specifications in its library, SLM-Lab 4.1.1
+(`slm_lab/spec`), and its semantics: separate networks, each with an optimiser and a clip of its
+own; PyTorch's RMSprop; advantages standardised with the unbiased deviation over the whole batch;
+the time limit treated as terminal. What they say of their environments is left out: the lander's
+four frames in one observation, and budgets.
 """
 
 from typing import Any
