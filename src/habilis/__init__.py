@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from habilis.learning.algorithms import QLearning as QLearning
     from habilis.learning.algorithms import SoftValueIteration as SoftValueIteration
     from habilis.learning.config import Config as Config
+    from habilis.learning.presets import preset as preset
     from habilis.learning.train import train as train
     from habilis.studies.reproduce import reproduce as reproduce
     from habilis.worlds.films import save_film as save_film
@@ -85,6 +86,7 @@ _LAZY = {  # imported on first use: by name, the module, and the extra that it n
         ("A2C", "PPO", "QLearning", "SoftValueIteration"), ("habilis.learning.algorithms", "learn")
     ),
     "Config": ("habilis.learning.config", "learn"),
+    "preset": ("habilis.learning.presets", "learn"),
     "train": ("habilis.learning.train", "learn"),
     "reproduce": ("habilis.studies.reproduce", "learn"),
 }

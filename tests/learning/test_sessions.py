@@ -324,6 +324,24 @@ def test_what_is_not_finite_names_the_last_good_checkpoint(room, tmp_path):
         train(config, out=tmp_path / "run")
 
 
+def check_that_it_goes_on_to_the_same_bytes(config: Config, folder: Path) -> None:
+    """Trains a configuration in one go, and again with an interruption."""
+    train(config, out=folder / "whole")
+
+    class StopError(Exception):
+        pass
+
+    def stop(_):
+        if checkpoints.checkpoints(folder / "cut"):
+            raise StopError
+
+    with pytest.raises(StopError):
+        train(config, stop, out=folder / "cut", checkpoint_seconds=0)
+    train(config, out=folder / "cut", resume=True)
+    assert content(folder / "cut") == content(folder / "whole")
+    assert load_run(folder / "cut").config == config
+
+
 @pytest.mark.parametrize("intrinsic", ["count", "rnd", "object"])
 def test_what_an_intrinsic_reward_has_learned_is_kept_too(room, tmp_path, intrinsic):
     config = Config(
@@ -335,17 +353,29 @@ def test_what_an_intrinsic_reward_has_learned_is_kept_too(room, tmp_path, intrin
         runs=2,
         steps=60_000,
     )
-    train(config, out=tmp_path / "whole")
+    check_that_it_goes_on_to_the_same_bytes(config, tmp_path)
 
-    class StopError(Exception):
-        pass
 
-    def stop(_):
-        if checkpoints.checkpoints(tmp_path / "cut"):
-            raise StopError
-
-    with pytest.raises(StopError):
-        train(config, stop, out=tmp_path / "cut", checkpoint_seconds=0)
-    train(config, out=tmp_path / "cut", resume=True)
-    assert content(tmp_path / "cut") == content(tmp_path / "whole")
-    assert load_run(tmp_path / "cut").config == config
+def test_what_was_done_is_kept_where_updates_do_not_tell_it(room, tmp_path):
+    """Whole episodes, and schedules by how many have ended: both are counted in the lanes."""
+    learner = A2C(
+        envs=4,
+        rollout=0,
+        schedule="episodes",
+        entropy=9.0,
+        entropy_end=5.0,
+        entropy_steps=100_000,
+        learning_rate_every=300,
+        learning_rate_decay=0.9,
+        networks="separate",
+        hidden=(8,),
+    )
+    config = Config(
+        algorithm=learner,
+        world=str(room),
+        observation="coordinates",
+        episode_limit=60,
+        runs=2,
+        steps=60_000,
+    )
+    check_that_it_goes_on_to_the_same_bytes(config, tmp_path)

@@ -10,7 +10,7 @@ from habilis.learning.algorithms import A2C
 from habilis.learning.config import Config
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, advance, settings_of, start_lanes
-from habilis.learning.networks import Network
+from habilis.learning.networks import Network, Separate
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
@@ -41,7 +41,7 @@ class Learned(NamedTuple):
 
 def learn(mdp: TabularMDP, config: Config, updates: int = 1500, table=None) -> Learned:
     """Trains one agent on a table."""
-    task, rows = make_task(mdp)
+    task, rows = make_task(mdp, observation=config.observation)
     program = replace(Program.of(config, rows, 1), updates=updates)
     settings = settings_of(config, np.zeros(mdp.states) if table is None else np.asarray(table))
     settings = jax.tree.map(lambda leaf: np.asarray(leaf)[None], settings)
@@ -50,7 +50,7 @@ def learn(mdp: TabularMDP, config: Config, updates: int = 1500, table=None) -> L
     lane = jax.tree.map(lambda leaf: leaf[0], lanes)
     parameters = lane.learner.parameters
     preferences = program.module.preferences(task, parameters)
-    is_network = isinstance(parameters, Network)
+    is_network = isinstance(parameters, Network | Separate)
     values = parameters(task.inputs)[:, -1] if is_network else parameters
     ledger, envs = Ledger.of(mdp), config.algorithm.envs
     transition, truncated = (part[0].reshape(-1, envs) for part in (log.transition, log.truncated))

@@ -298,9 +298,10 @@ def ppo_steps(
     parameters: Parameters,
     rollout: Rollout,
     minibatches: Iterable[Int[np.ndarray, " batch"]],
+    moments: Moments | None = None,
     **settings: object,
 ) -> list[Step]:
-    """PPO: one step on each minibatch in turn, from fresh moments.
+    """PPO: one step on each minibatch in turn, from these moments, or fresh ones.
 
     Advantages, targets and the old policy are those of the parameters at the start.
 
@@ -325,7 +326,8 @@ def ppo_steps(
             chosen = chosen._replace(advantages=advantages)
         return lambda _: chosen
 
-    return _several(parameters, ((rollout.count, part(places)) for places in minibatches), found)
+    batches = ((rollout.count, part(places)) for places in minibatches)
+    return _several(parameters, batches, found, moments)
 
 
 def _once(rollout: Rollout, settings: Settings) -> Callable[[Parameters], Batches]:
@@ -336,10 +338,11 @@ def _several(
     parameters: Parameters,
     batches: Iterable[tuple[float, Callable[[Parameters], Batches]]],
     settings: Settings,
+    moments: Moments | None = None,
 ) -> list[Step]:
     if settings.networks == "separate" and parameters.trunk:
         raise ValueError("separate networks have no trunk")
-    moments = Moments.fresh(parameters.arrays())
+    moments = Moments.fresh(parameters.arrays()) if moments is None else moments
     found = []
     for count, batch_of in batches:
         weight = linear(

@@ -1,6 +1,7 @@
 import pytest
 
 from habilis.learning.algorithms import PPO
+from habilis.learning.presets import preset
 from habilis.sweeps.spec import Range, read_spec
 
 
@@ -40,6 +41,22 @@ def test_an_algorithm_is_a_setting_like_others(read):
     assert [c.algorithm for c in spec.grid] == [PPO(), PPO(hidden=(32,))]
 
 
+def test_a_preset_is_what_all_points_share_and_what_is_given_takes_precedence(read):
+    spec = read("""
+[config]
+preset = "book-cartpole"
+world = "yard"
+envs = 2
+[grid]
+activation = ["selu", "tanh"]
+""")
+    common = {"world": "yard", "envs": 2}
+    assert spec.varied == ("activation",)
+    assert list(spec.grid) == [
+        preset("book-cartpole", **common, activation=name) for name in ("selu", "tanh")
+    ]
+
+
 def test_a_search_has_ranges_values_and_its_own_seed(read):
     spec = read("""
 [config]
@@ -66,6 +83,8 @@ envs = [8, 16]
     [
         ("[grid]\nbeat = [0.1]", r"\[grid\] has 'beat', which is no setting; use some of .*beta"),
         ("[config]\nbeat = 0.1\n[grid]\nseed = [0]", r"\[config\] has 'beat'"),
+        ('[config]\npreset = "x"\n[grid]\nseed = [0]', "preset 'x' is unknown; use one of book-"),
+        ('[grid]\npreset = ["book-cartpole"]', r"\[grid\] has preset.*give it in \[config\]"),
         ("[grid]", r"\[grid\] is empty; give a setting"),
         ("[search]\ntrials = 3", r"\[search\] is empty"),
         ("[grid]\nseed = []", "seed is .*give a list of at least one value"),

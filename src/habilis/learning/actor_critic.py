@@ -102,12 +102,15 @@ def normalised(
 
     Args:
         advantage: of the steps of a batch.
-        unbiased: whether the deviation is the unbiased one, of n - 1.
+        unbiased: whether the deviation is the unbiased one, of n - 1. A single step has none, and
+            an advantage of 0.
         counted: which of the steps there are; `None`: all.
     """
-    mean = advantage.mean(where=counted)
-    deviation = advantage.std(where=counted, ddof=int(unbiased))
-    return (advantage - mean) / (deviation + 1e-8)
+    centred = advantage - advantage.mean(where=counted)
+    count = advantage.size if counted is None else counted.sum()
+    squares = jnp.square(centred).sum(where=counted)
+    deviation = jnp.sqrt(squares / jnp.maximum(count - int(unbiased), 1))
+    return centred / (deviation + 1e-8)
 
 
 def entropy_weight(context: Context) -> Float[Array, ""]:

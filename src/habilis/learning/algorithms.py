@@ -24,13 +24,16 @@ _RATE = "step size of the optimiser"
 _RATE_END = "step size after learning_rate_steps"
 _RATE_STEPS = "environment steps over which the step size changes linearly; 0: it does not"
 _RATE_DECAY = "factor on the step size after each learning_rate_every"
-_RATE_EVERY = "environment steps after which the step size decays; 0: it does not"
-_SCHEDULE = 'what the fields of schedules count: environment "steps" or "episodes" that ended'
+_RATE_EVERY = "environment steps after each of which the step size decays; 0: it does not"
+_SCHEDULE = (
+    'what the schedules of step size and entropy count: environment "steps", or "episodes" that '
+    "have ended, before the rollout that is learned from"
+)
 _OPTIMIZER = (
     "rmsprop (decay 0.99, epsilon 1e-5 in the root), rmsprop-torch (epsilon outside the root, as "
     "PyTorch has it) or adam"
 )
-_CLIP = "largest norm of a network's gradient; 0: any"
+_CLIP = "largest norm of a network's gradient, to which it is clipped; 0: it is not"
 _ENTROPY = "weight of the policy's entropy (nats) in the loss"
 _ENTROPY_END = "weight of the entropy after entropy_steps"
 _ENTROPY_STEPS = "environment steps over which that weight changes linearly; 0: it does not"
@@ -39,14 +42,14 @@ _VALUE = "weight of the value's squared error in the loss"
 _DISCOUNT = "discount factor, gamma"
 _LAMBDA = "lambda of the generalised advantage; 1: n-step returns"
 _NORMALISE = "whether advantages have mean 0 and deviation 1 in each batch"
-_UNBIASED = "whether that deviation is the unbiased one, of n - 1"
+_UNBIASED = "whether that deviation divides by n - 1 in place of n"
 _SCALE = "factor on the reward that the agent learns from (counted returns have none)"
 _HIDDEN = "widths of a network's hidden layers"
 _NETWORKS = 'one "shared" trunk for policy and value, or "separate" networks'
-_ACTIVATION = f"of the hidden layers: {', '.join(ACTIVATIONS)}"
+_ACTIVATION = f"activation of the hidden layers: {', '.join(ACTIVATIONS)}"
 _INITIALISATION = (
-    "of weights: lecun (normal, the last layer small), orthogonal (gain of the activation) or "
-    "pytorch (uniform, its default)"
+    "of weights: lecun (normal, the last layer small), orthogonal (with the activation's gain) or "
+    "pytorch (weights and biases uniform within 1 / sqrt(inputs), PyTorch's default)"
 )
 
 
@@ -199,4 +202,6 @@ def _check_network(algorithm: A2C | PPO) -> None:
     one_of(algorithm, "activation", ACTIVATIONS)
     one_of(algorithm, "initialisation", INITIALISATIONS)
     if algorithm.unbiased and not algorithm.normalise:
-        raise ValueError("unbiased is True and normalise False; give normalise, or leave it out")
+        raise ValueError(
+            "unbiased is True and normalise False; turn on normalise, or turn off unbiased"
+        )

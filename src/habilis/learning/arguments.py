@@ -6,7 +6,7 @@ from typing import Any
 
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.config import Config
-from habilis.learning.presets import PRESETS, preset_fields
+from habilis.learning.presets import PRESETS, with_preset
 
 _NOT_OPTIONS = ("world", "tool", "algorithm")  # the first two are arguments of many verbs
 
@@ -16,7 +16,8 @@ def add_config_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--preset",
         choices=tuple(PRESETS),
-        help="a published learner, whose settings take the place of the defaults below",
+        help="a published learner (Graesser and Keng 2019), whose settings take the place of the "
+        "defaults below; options given besides take precedence",
     )
     for f in fields(Config):
         if f.name == "algorithm":
@@ -49,8 +50,7 @@ def config_from_args(args: argparse.Namespace) -> Config:
     """
     known = {f.name for kind in (Config, *ALGORITHMS.values()) for f in fields(kind)}
     given = {name: value for name, value in vars(args).items() if name in known}
-    named = {} if args.preset is None else preset_fields(args.preset)
-    return Config.from_dict(named | given)
+    return Config.from_dict(given if args.preset is None else with_preset(args.preset, given))
 
 
 def _add(parser: Any, f: Field, defaults: str) -> None:

@@ -211,7 +211,8 @@ def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _
 def _gain(job: Job, run: int, log: Log, place: int, sound: bool) -> Gain | NotFiniteError:
     """What a stretch adds to the record of a run, or that it has come to what is no number."""
     loss, envs = log.loss[place], log.transition.shape[-1]
-    if (error := _not_finite(job, run, np.asarray(loss), sound)) is not None:
+    made = (np.asarray(log.transition[place]) >= 0).sum(axis=(1, 2))
+    if (error := _not_finite(job, run, np.asarray(loss), made, sound)) is not None:
         return error
     did = (np.asarray(part[place]) for part in (log.transition, log.truncated))
     transition, truncated = (part.reshape(-1, envs) for part in did)
@@ -238,8 +239,16 @@ def _enter(seats: list[Seat], advanced: _Advanced) -> list[Job]:
     return list(changed.values())
 
 
-def _not_finite(job: Job, run: int, loss: np.ndarray, sound: bool) -> NotFiniteError | None:
-    """What is wrong with a run, if a loss or what was learned is not finite."""
+def _not_finite(
+    job: Job, run: int, loss: np.ndarray, made: np.ndarray, sound: bool
+) -> NotFiniteError | None:
+    """What is wrong with a run, if a loss or what was learned is not finite.
+
+    Args:
+        job, run: which.
+        loss, made: float[updates] and int[updates], of a stretch: losses and steps.
+        sound: whether all that was learned is finite.
+    """
     broken = np.flatnonzero(~np.isfinite(loss))
     if len(broken):
         what, updates = "loss", int(broken[0]) + 1
@@ -247,8 +256,7 @@ def _not_finite(job: Job, run: int, loss: np.ndarray, sound: bool) -> NotFiniteE
         what, updates = "parameters", len(loss)
     else:
         return None
-    record, algorithm = job.records[run], job.config.algorithm
-    step = record.steps + updates * algorithm.envs * job.program.steps_between
+    step = job.records[run].steps + int(made[:updates].sum())
     return NotFiniteError(
         job,
         run,

@@ -1,11 +1,11 @@
 """Learners that others have published, by name.
 
 Those of Graesser and Keng, *Foundations of Deep Reinforcement Learning* (2019), which the paper
-cites for A2C, have the values of the files in its library, SLM-Lab 4.1.1 (`slm_lab/spec`), and
-its semantics: separate networks, each with an optimiser and a clip of its own; PyTorch's RMSprop;
-advantages standardised with the unbiased deviation over the whole batch; the time limit treated as
-terminal. What they say of their environments is left out: the lander's four frames in one
-observation, and budgets.
+cites for A2C, have the values of the specifications in its library, SLM-Lab 4.1.1
+(`slm_lab/spec`), and its semantics: separate networks, each with an optimiser and a clip of its
+own; PyTorch's RMSprop; advantages standardised with the unbiased deviation over the whole batch;
+the time limit treated as terminal. What they say of their environments is left out: the lander's
+four frames in one observation, and budgets.
 """
 
 from typing import Any
@@ -83,9 +83,12 @@ PRESETS: dict[str, dict[str, Any]] = {
 def preset(name: str, **changes: Any) -> Config:
     """A configuration with a published learner.
 
+    Those of Graesser and Keng (2019): "book-cartpole" and "book-lander-gae" learn from generalised
+    advantages, "book-lander-nstep" from 5-step returns, "book-gridworld" once an episode.
+
     Args:
         name: of `PRESETS`.
-        **changes: other fields of `Config` or of the algorithm.
+        **changes: other fields of `Config` or of A2C; they take precedence.
 
     Returns:
         The configuration.
@@ -97,15 +100,20 @@ def preset(name: str, **changes: Any) -> Config:
         >>> preset("book-cartpole", world="yard").algorithm.activation
         'selu'
     """
-    return Config.from_dict(preset_fields(name) | changes)
+    return Config.from_dict(with_preset(name, changes))
 
 
-def preset_fields(name: str) -> dict[str, Any]:
-    """The fields that a preset sets.
+def with_preset(name: Any, given: dict[str, Any]) -> dict[str, Any]:
+    """The fields that a preset sets, and those given, which take precedence.
 
     Raises:
-        ValueError: no such preset.
+        ValueError: no such preset, or it is one of another algorithm.
     """
-    if name not in PRESETS:
+    if not isinstance(name, str) or name not in PRESETS:
         raise ValueError(f"preset {name!r} is unknown; use one of {', '.join(PRESETS)}")
-    return PRESETS[name]
+    of, wanted = PRESETS[name]["algorithm"], given.get("algorithm")
+    if wanted not in (None, of):
+        raise ValueError(
+            f"preset {name!r} is for algorithm {of!r}, not {wanted!r}; leave out one of the two"
+        )
+    return PRESETS[name] | given

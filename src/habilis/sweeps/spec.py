@@ -1,6 +1,7 @@
 """What to sweep over, from a SPEC.toml.
 
 [config]                                    any settings, as `habilis train` has them
+preset = "book-cartpole"                    or a preset and what differs from it
 world = "yard"
 runs = 10
 
@@ -30,6 +31,7 @@ import polars as pl
 
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.config import Config
+from habilis.learning.presets import with_preset
 from habilis.worlds.world import ENVIRONMENT
 
 Values = dict[str, Any]
@@ -160,7 +162,8 @@ def _spec(tables: Values) -> Spec:
     if ("grid" in tables) == ("search" in tables):
         both = "both [grid] and" if "grid" in tables else "neither [grid] nor"
         raise ValueError(f"has {both} [search]; give one of them")
-    shared = tables.get("config", {})
+    shared = dict(tables.get("config", {}))
+    named = shared.pop("preset", None)
     _check_names("config", shared)
     own = "grid" if "grid" in tables else "search"
     how = {f.name: f.default for f in fields(Search) if f.name != "space"}
@@ -178,6 +181,8 @@ def _spec(tables: Values) -> Spec:
             raise ValueError(f"[{own}] gives {name} twice; give it once")
         if name in shared:
             raise ValueError(f"{name} is in both [config] and [{own}]; give it in one of them")
+    if named is not None:
+        shared = with_preset(named, shared)
     if own == "search":
         for name, default in how.items():
             _check_option(name, options.get(name, default))
@@ -242,6 +247,8 @@ def _refuse_dates(where: str, value: Any) -> None:
 
 def _check_names(table: str, names: Any) -> None:
     for name in names:
+        if name == "preset":
+            raise ValueError(f"[{table}] has preset, which is for all points; give it in [config]")
         if name not in _DEFAULTS:
             raise ValueError(
                 f"[{table}] has {name!r}, which is no setting; use some of "
