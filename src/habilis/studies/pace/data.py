@@ -216,7 +216,8 @@ def _groups(
 
 
 def _read(path: Path, columns: Sequence[str]) -> pl.DataFrame:
-    counts = {name: pl.String for name in ("episodes", "first_success", "had", "steps")}
+    names: tuple[str, ...] = ("episodes", "first_success", "had", "steps")
+    counts = dict.fromkeys(names, pl.String)
     try:
         frame = pl.read_csv(path, schema_overrides=counts, infer_schema_length=None)
     except (OSError, pl.exceptions.PolarsError) as error:
