@@ -216,7 +216,7 @@ def _groups(
 
 
 def _read(path: Path, columns: Sequence[str]) -> pl.DataFrame:
-    names: tuple[str, ...] = ("episodes", "first_success", "had", "steps")
+    names: list[str] = ["episodes", "first_success", "had", "steps"]
     counts = dict.fromkeys(names, pl.String)
     try:
         frame = pl.read_csv(path, schema_overrides=counts, infer_schema_length=None)
