@@ -23,6 +23,7 @@ def test_what_is_written_is_read(folder):
     assert pace.best is pace.pairs[0]
     assert pace.best.maps == {"table1": "corridor-01", "table2": "yard-01"}
     assert pace.best.learner["learning_rate"] == 0.002
+    assert pace.best.learner["hidden"] == (64, 64), "as a field of Config"
     assert [learner.name for learner in pace.ensemble] == [f"pair {k}" for k in range(1, 6)]
     assert pace.thirty is not None
     assert {agent.runs for agent in pace.thirty.agents} == {30}

@@ -28,6 +28,9 @@ from habilis.sweeps.sweep import sweep
 FAST = "fast default"
 """The name of the learner of `data/settings.toml`."""
 
+_WORLDS = {"table1": "corridor", "table2": "yard"}
+"""Those of the multiverse, the first that were found, whatever the reproduction uses now."""
+
 
 def compared_agents() -> list[Agent]:
     """Every row of both tables, by the fast learner and by each of the multiverse's.
@@ -42,8 +45,9 @@ def compared_agents() -> list[Agent]:
 def _fast() -> Iterator[Agent]:
     for experiment in EXPERIMENTS:
         for row in experiment.rows:
-            reward, config = REWARDS[row.intrinsic], row_config(experiment, row, FULL)
-            where = (experiment.world, row.tool, reward)
+            world = _WORLDS[experiment.name]
+            config = row_config(experiment, row, FULL).changed(world=world)
+            where = (world, row.tool, REWARDS[row.intrinsic])
             yield Agent("fast", FAST, *where, row.horizon, row.beta, "plain", config)
 
 
@@ -58,7 +62,8 @@ def _of_the_multiverse() -> Iterator[Agent]:
             for row in experiment.rows:
                 horizon, beta = nearest(row.horizon, HORIZONS), nearest(row.beta, BETAS)
                 reward = REWARDS[row.intrinsic]
-                yield grid[learner, experiment.world, row.tool, reward, horizon, beta]
+                world = _WORLDS[experiment.name]
+                yield grid[learner, world, row.tool, reward, horizon, beta]
 
 
 def nearest(value: float, grid: Sequence[float]) -> Any:

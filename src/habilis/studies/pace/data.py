@@ -1,7 +1,7 @@
 """What was calibrated and trained at the paper's pace, as it is checked in: `data/pace`.
 
-Every number of the headline is read from these files, and none is needed: what is missing is named
-in the report. `docs/how-to/paper.md` describes them.
+Every number of the headline is read from these files, and none is needed: what is missing is
+named in the report. `docs/how-to/paper.md` describes them.
 """
 
 import tomllib
@@ -276,7 +276,8 @@ def _pairs(path: Path) -> tuple[Pair, ...]:
         if missing:
             raise ValueError(f"{path}: pair {number} has no {missing[0]}; add it")
         maps = {"table1": entry["corridor"], "table2": entry["yard"]}
-        pairs.append(Pair(entry["setting"], maps, entry["learner"]))
+        fields = {k: tuple(v) if isinstance(v, list) else v for k, v in entry["learner"].items()}
+        pairs.append(Pair(entry["setting"], maps, fields))
     if not pairs:
         raise ValueError(f"{path}: has no pair; begin each with [[pair]]")
     return tuple(pairs)
