@@ -1,5 +1,8 @@
 """The second part of the report."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import polars as pl
 import pytest
@@ -8,7 +11,7 @@ import habilis as hb
 from habilis.empowerment.measures import average_empowerment
 from habilis.studies.multiverse import claims
 from habilis.studies.multiverse.optimum import return_of_the_best_policy
-from habilis.studies.multiverse.report import settings_count, write_study
+from habilis.studies.multiverse.report import settings_count, write_page, write_study
 from habilis.studies.multiverse.settings import BETAS, HORIZONS, WORLDS, agents, all_maps
 from habilis.studies.multiverse.study import Study, aggregate, iqm, joined, paper_curves, pooled
 
@@ -149,6 +152,15 @@ def test_the_page_has_every_table_and_picture_and_loads_nothing(study, tmp_path)
         assert claim.name in text
     names = {path.name for path in tmp_path.iterdir()}
     assert names >= {"runs.csv", "multiverse.csv", "maps.csv", "optima.csv", "rows.csv"}
+
+
+def test_the_page_that_is_checked_in_is_what_the_data_and_the_template_give(tmp_path):
+    """Or call `python -m habilis.studies.multiverse --out docs/multiverse --page`."""
+    docs = Path(__file__).parents[2] / "docs" / "multiverse"
+    for picture in docs.glob("*.svg"):
+        shutil.copy(picture, tmp_path)
+    write_page(Study.read(docs), tmp_path)
+    assert (tmp_path / "report.html").read_text() == (docs / "report.html").read_text()
 
 
 def test_the_worlds_are_the_papers():

@@ -1,5 +1,8 @@
 """One definition of holds, undecided and opposite."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import polars as pl
 import pytest
@@ -54,16 +57,13 @@ def test_the_report_and_the_multiverse_say_the_same_of_the_same_runs():
             at = [None if k < given_up else int(n) for k, n in enumerate(counts)]
             frames.append(pl.DataFrame({"converged_at": at, "steps_had": counts}))
             row = next(row for row in EXPERIMENTS[0].rows if row.label == label)
-            results.append(tables.Result(row, FakeRun(at), counts.astype(float)))  # pyright: ignore[reportArgumentType]
-        expected = claims.verdict(*frames, "episodes")
-        found = tables._compare(*results)
+            run: Any = SimpleNamespace(converged_at=at)
+            results.append(tables.Result(row, run, counts.astype(float)))
+        expected = claims.verdict(frames[0], frames[1], "episodes")
+        first, second = results
+        found = tables._compare(first, second)
         assert found.outcome is expected.outcome
         assert (found.superiority, found.rank_p) == (expected.superiority, expected.p)
-
-
-class FakeRun:
-    def __init__(self, converged_at):
-        self.converged_at = converged_at
 
 
 def test_over_one_setting_the_verdict_is_mann_whitneys_ties_and_runs_given_up_included():

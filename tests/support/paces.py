@@ -10,7 +10,7 @@ LEARNERS = ("fast default", "A2C", "PPO", "Q-learning", "RMSprop")
 
 
 def write_pace(folder: Path, ratio: float = 0.8, pairs: int = 5, seed: int = 0) -> Path:
-    """All files of `data/pace`; regularised agents take `ratio` times the vanilla ones' episodes."""
+    """All files of `data/pace`; agents with a bonus take `ratio` times the others' episodes."""
     random = np.random.default_rng(seed)
     folder.mkdir(parents=True, exist_ok=True)
     learner = [
@@ -40,7 +40,7 @@ def write_pace(folder: Path, ratio: float = 0.8, pairs: int = 5, seed: int = 0) 
         "\n".join(
             f"[[pair]]\nsetting = {s}\ncorridor = {c!r}\nyard = {y!r}\n"
             f"[pair.learner]\noptimizer = 'rmsprop'\nlearning_rate = 0.002\nenvs = 8\n"
-            f"rollout = 20\nepisode_limit = 200\n"
+            f"rollout = 20\nhidden = [64, 64]\nepisode_limit = 200\n"
             for _, s, c, y in ensemble
         )
     )
@@ -60,11 +60,9 @@ def _write(path, head, learners, ratio, runs, random) -> None:
                 counts, first = (_counts(random, mean * part, runs) for part in (1, 0.2))
                 given_up = " ".join(["-", *counts.split()[1:]]) if row.tool == "broom" else counts
                 converged = runs - (row.tool == "broom")
-                lines.append(
-                    ",".join(key)
-                    + f",{name},{row.tool},{REWARDS[row.intrinsic]},{row.horizon},{row.beta},{runs},"
-                    f"{converged},{given_up},{first},{counts},{counts}"
-                )
+                what = (name, row.tool, REWARDS[row.intrinsic], row.horizon, row.beta, runs)
+                came = (converged, given_up, first, counts, counts)
+                lines.append(",".join(map(str, (*key, *what, *came))))
     path.write_text("\n".join(lines) + "\n")
 
 

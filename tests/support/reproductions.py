@@ -1,4 +1,4 @@
-"""A reproduction of which nothing was trained: curves drawn, worlds, numbers and statements real."""
+"""A reproduction of which nothing was trained: its curves are drawn, all else is real."""
 
 from pathlib import Path
 

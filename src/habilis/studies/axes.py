@@ -2,7 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
+from matplotlib.axis import Axis, XAxis
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, NullLocator
 
 TICK_SIZE, LABEL_SIZE = 9, 10  # points
@@ -37,9 +37,10 @@ def log_axis(
 ) -> None:
     """A logarithmic axis whose ticks stand at some multiples of powers of ten, `subs`."""
     assert isinstance(axis.axes, Axes)
-    scale = {"xscale": "log"} if axis.axis_name == "x" else {"yscale": "log"}
-    limits = {"xlim": (low, high)} if axis.axis_name == "x" else {"ylim": (low, high)}
-    axis.axes.set(**scale, **limits)
+    if isinstance(axis, XAxis):
+        axis.axes.set(xscale="log", xlim=(low, high))
+    else:
+        axis.axes.set(yscale="log", ylim=(low, high))
     decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
     ticks = [sub * 10.0**decade for decade in decades for sub in subs]
     axis.set_major_locator(FixedLocator([tick for tick in ticks if low <= tick <= high]))

@@ -6,11 +6,11 @@ from typing import Any
 
 from habilis.files import write_whole
 from habilis.studies.outcome import Reproduction
-from habilis.studies.page import inlined, render
 from habilis.studies.pace.data import Pace
 from habilis.studies.pace.method import method_of
 from habilis.studies.pace.ratios import one_by_one
 from habilis.studies.pace.slowness import sentence
+from habilis.studies.page import inlined, render
 from habilis.studies.published import EXPERIMENTS, Experiment
 from habilis.studies.settings import learner_settings
 from habilis.studies.tables import Result, comparisons, table

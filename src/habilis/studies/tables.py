@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -222,9 +223,9 @@ _MAY_BE_NULL: dict[str, type[pl.DataType]] = {
 
 def _thirty(
     learner: Learner | None, experiment: Experiment, row: Row, vanilla: Row
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """The columns of more runs by the same learner."""
-    none = dict.fromkeys(name for name in _MAY_BE_NULL if name.startswith("thirty_"))
+    none = {name: None for name in _MAY_BE_NULL if name.startswith("thirty_")}
     agent = None if learner is None else learner.agent(experiment, row)
     base = None if learner is None else learner.agent(experiment, vanilla)
     if agent is None:
@@ -247,9 +248,9 @@ def _thirty(
 
 def _ensemble(
     learners: Sequence[Learner], experiment: Experiment, row: Row, vanilla: Row
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """The columns of the ensemble."""
-    none = dict.fromkeys(name for name in _MAY_BE_NULL if name.startswith("ensemble_"))
+    none = {name: None for name in _MAY_BE_NULL if name.startswith("ensemble_")}
     found: Ratio | None = ratio_over(learners, experiment, row, vanilla)
     if found is None or row == vanilla:
         return none

@@ -23,7 +23,7 @@ def learner(name, pace, ratio, noise=0.05, seed=0, runs=10):
             mean = pace * (1 if row.vanilla else ratio)
             counts = mean * random.lognormal(0, noise, runs)
             where = (MAPS[experiment.name], row.tool, REWARDS[row.intrinsic])
-            measures = dict.fromkeys(MEASURES, counts)
+            measures = {measure: counts for measure in MEASURES}  # noqa: C420
             agents.append(Agent(*where, row.horizon, row.beta, measures, counts))
     return Learner(name, "multiverse", MAPS, tuple(agents))
 
@@ -146,4 +146,4 @@ def test_there_is_a_mark_for_each_learner_and_row_in_both_panels(tmp_path):
         points = [line for line in ax.lines if line.get_linestyle() == "None"]
         assert len(points) == len(pace.learners) * 4
         assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
-        assert any(list(line.get_ydata()) == [1, 1] for line in ax.lines), "a line at 1"
+        assert any(np.array_equal(line.get_ydata(), [1, 1]) for line in ax.lines), "a line at 1"

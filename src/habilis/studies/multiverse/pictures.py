@@ -8,16 +8,22 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
 from habilis.learning.intervals import bootstrap_interval, interquartile_mean
-from habilis.studies.axes import LABEL_SIZE, episodes_axis, mark_best, returns_axis
+from habilis.studies.axes import (
+    LABEL_SIZE,
+    episodes_axis,
+    log_axis,
+    mark_best,
+    returns_axis,
+)
 from habilis.studies.verdicts import Outcome
 
 HOLDS, UNDECIDED, OPPOSITE = "#0072b2", "#d9dde3", "#d55e00"  # Okabe and Ito
 _OUTCOMES = {Outcome.HOLDS: HOLDS, Outcome.UNDECIDED: UNDECIDED, Outcome.OPPOSITE: OPPOSITE}
 _SUPERIORITY = TwoSlopeNorm(0.5, 0, 1)
 _MAP = "RdBu"
+_FINE = (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)  # ticks of an axis that is less than a decade
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#5b6270", "#e69f00")
 
 
@@ -193,17 +199,16 @@ def intervals_figure(panels: Mapping[str, pl.DataFrame], label: str) -> Figure:
             whether it is "complete", all its runs having converged.
         label: of the horizontal axis.
     """
-    rows = max(len(panel) for panel in panels.values())
-    figure = Figure(figsize=(6.2 * len(panels), 0.9 + 0.34 * rows), dpi=96)
-    for ax, (title, panel) in zip(
-        np.atleast_1d(figure.subplots(1, len(panels))), panels.items(), strict=True
-    ):
+    heights = [0.9 + 0.26 * len(panel) for panel in panels.values()]
+    figure = Figure(figsize=(10, sum(heights)), dpi=96)
+    ratios = {"height_ratios": heights}
+    axes = np.atleast_1d(figure.subplots(len(panels), 1, gridspec_kw=ratios))
+    for ax, (title, panel) in zip(axes, panels.items(), strict=True):
         _intervals(ax, panel)
-        ax.set(title=title, xlabel=label, xscale="log")
-        ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        ax.xaxis.set_major_formatter(StrMethodFormatter("{x:,g}"))
-        ax.xaxis.set_minor_locator(NullLocator())
-        ax.tick_params(axis="x", labelsize=7)
+        ax.set_title(title, fontsize=LABEL_SIZE)
+        lowest = panel.select(pl.min_horizontal("middle", "low").min()).item()
+        low, high = (0.5, 1.0) if lowest is None else (0.9 * lowest, ax.get_xlim()[1])
+        log_axis(ax.xaxis, label, low, high, _FINE if high / low < 5 else (1, 2, 5))
     figure.tight_layout()
     return figure
 
@@ -225,7 +230,7 @@ def _intervals(ax: Axes, panel: pl.DataFrame) -> None:
             one["note"],
             transform=ax.get_yaxis_transform(),
             va="center",
-            fontsize=7,
+            fontsize=8,
             color=colour,
         )
     ax.set_yticks(range(len(panel)), panel["agent"].to_list(), fontsize=8)

@@ -1,1 +1,1 @@
-"""The paper at its own pace: what was calibrated, an ensemble of learners and maps, and what came of it."""
+"""The paper at its own pace: the calibration, an ensemble of learners and maps, its results."""

@@ -2,17 +2,18 @@
 
     python -m habilis.studies.pace.compared --out compared.csv --work compared
 
-trains the rows of the paper's tables with each of them: the fast learner with the settings and seeds of
-`data/settings.toml`, the others with those of the multiverse, whose grid of horizons and weights holds
-the paper's only nearly. All are agents that the repository has had before; what `docs/multiverse`
-does not keep of them is when they first succeeded.
+trains the rows of the paper's tables with each of them: the fast learner with the settings of
+`data/settings.toml` and the seeds of its tables, the others with those of the multiverse, whose
+grid has horizons and weights near the paper's. These are runs that the repository has had before,
+to the same episodes; what `docs/multiverse` does not keep of them is when they first succeeded.
 """
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import log
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 
@@ -26,6 +27,9 @@ from habilis.sweeps.sweep import sweep
 
 FAST = "fast default"
 """The name of the learner of `data/settings.toml`."""
+
+_WORLDS = {"table1": "corridor", "table2": "yard"}
+"""Those of the multiverse, the first that were found, whatever the reproduction uses now."""
 
 
 def compared_agents() -> list[Agent]:
@@ -41,8 +45,9 @@ def compared_agents() -> list[Agent]:
 def _fast() -> Iterator[Agent]:
     for experiment in EXPERIMENTS:
         for row in experiment.rows:
-            reward, config = REWARDS[row.intrinsic], row_config(experiment, row, FULL)
-            where = (experiment.world, row.tool, reward)
+            world = _WORLDS[experiment.name]
+            config = row_config(experiment, row, FULL).changed(world=world)
+            where = (world, row.tool, REWARDS[row.intrinsic])
             yield Agent("fast", FAST, *where, row.horizon, row.beta, "plain", config)
 
 
@@ -57,10 +62,11 @@ def _of_the_multiverse() -> Iterator[Agent]:
             for row in experiment.rows:
                 horizon, beta = nearest(row.horizon, HORIZONS), nearest(row.beta, BETAS)
                 reward = REWARDS[row.intrinsic]
-                yield grid[learner, experiment.world, row.tool, reward, horizon, beta]
+                world = _WORLDS[experiment.name]
+                yield grid[learner, world, row.tool, reward, horizon, beta]
 
 
-def nearest(value: float, grid: Sequence[float]) -> float:
+def nearest(value: float, grid: Sequence[float]) -> Any:
     """The value of a grid whose ratio to another one is nearest to 1; 0 stays 0.
 
     Example:
@@ -87,7 +93,7 @@ def as_rows(everyone: Sequence[Agent], results: pl.DataFrame) -> pl.DataFrame:
     return pl.DataFrame(rows)
 
 
-def _counts(values: "pl.Series | Iterator[int | None]") -> str:
+def _counts(values: "Iterable[int | None]") -> str:
     return " ".join("-" if n is None else str(n) for n in values)
 
 

@@ -1,7 +1,7 @@
 """What was calibrated and trained at the paper's pace, as it is checked in: `data/pace`.
 
-Every number of the headline is read from these files, and none is needed: what is missing is named
-in the report. `docs/how-to/paper.md` describes them.
+Every number of the headline is read from these files, and none is needed: what is missing is
+named in the report. `docs/how-to/paper.md` describes them.
 """
 
 import tomllib
@@ -216,7 +216,8 @@ def _groups(
 
 
 def _read(path: Path, columns: Sequence[str]) -> pl.DataFrame:
-    counts = {name: pl.String for name in ("episodes", "first_success", "had", "steps")}
+    names: list[str] = ["episodes", "first_success", "had", "steps"]
+    counts = dict.fromkeys(names, pl.String)
     try:
         frame = pl.read_csv(path, schema_overrides=counts, infer_schema_length=None)
     except (OSError, pl.exceptions.PolarsError) as error:
@@ -275,7 +276,8 @@ def _pairs(path: Path) -> tuple[Pair, ...]:
         if missing:
             raise ValueError(f"{path}: pair {number} has no {missing[0]}; add it")
         maps = {"table1": entry["corridor"], "table2": entry["yard"]}
-        pairs.append(Pair(entry["setting"], maps, entry["learner"]))
+        fields = {k: tuple(v) if isinstance(v, list) else v for k, v in entry["learner"].items()}
+        pairs.append(Pair(entry["setting"], maps, fields))
     if not pairs:
         raise ValueError(f"{path}: has no pair; begin each with [[pair]]")
     return tuple(pairs)

@@ -53,8 +53,8 @@ def _stage(rows: pl.DataFrame | None) -> str | None:
         return None
     settings, maps = (rows[name].n_unique() for name in ("setting", "map"))
     runs = " or ".join(str(n) for n in rows["runs"].unique().sort())
-    plural = ("s" if settings != 1 else "", "s" if maps != 1 else "")
-    return f"{settings:,} setting{plural[0]} on {maps} map{plural[1]}, {runs} runs of each vanilla agent"
+    what, where = ("s" if count != 1 else "" for count in (settings, maps))
+    return f"{settings:,} setting{what} on {maps} map{where}, {runs} runs of each vanilla agent"
 
 
 def _pair(number: int, pair: Pair) -> dict[str, Any]:

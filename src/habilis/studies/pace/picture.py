@@ -1,4 +1,6 @@
-"""The picture of the second question: who is helped by empowerment, the slow learner or the fast?"""
+"""The picture of the second question: does empowerment help slow learners more than fast ones?"""
+
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -43,7 +45,12 @@ def slowness_figure(marks: pl.DataFrame) -> Figure:
         for source, marker in _MARKERS.items()
         if source in marks["source"]
     ]
-    hollow = {"color": "#5b6270", "markerfacecolor": "white", "marker": "o", "ls": ""}
+    hollow: dict[str, Any] = {
+        "color": "#5b6270",
+        "markerfacecolor": "white",
+        "marker": "o",
+        "ls": "",
+    }
     handles.append(Line2D([], [], **hollow, label="some runs did not come so far"))
     figure.tight_layout(rect=(0, 0.13, 1, 1))
     figure.legend(handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=TICK_SIZE)
@@ -55,8 +62,8 @@ def _frame(ax: Axes, part: pl.DataFrame, measure: str, low: float, high: float) 
     many = np.log10(high / low) > 2.2
     log_axis(ax.yaxis, "regularised / vanilla", low, high, (1,) if many else (1, 2, 5))
     ax.axhline(1, color="#5b6270", linewidth=1)
-    note = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-    looks = {"fontsize": TICK_SIZE, "color": "#5b6270", "va": "top"}
+    note: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+    looks: dict[str, Any] = {"fontsize": TICK_SIZE, "color": "#5b6270", "va": "top"}
     ax.annotate("below: the bonus helps", (0, 1), xytext=(5, -4), **note, **looks)
     ax.set_title(measure, fontsize=LABEL_SIZE)
     ax.spines[["top", "right"]].set_visible(False)

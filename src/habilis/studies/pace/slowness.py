@@ -1,9 +1,10 @@
 """Does empowerment help the more, the slower the learner is?
 
-The hypothesis is one about learners: within a row of the tables, the ratio of regularised to vanilla
-episodes should fall as the vanilla agent of the learner is slower. The ratio has the vanilla agent's
-mean below the line, so that its noise alone would make the two fall together; each vanilla agent's
-runs are therefore split at random, one half says how slow it is, the other goes into the ratio.
+The hypothesis is one about learners: within a row of the tables, the ratio of regularised to
+vanilla episodes should fall as the vanilla agent of the learner is slower. The ratio has the
+vanilla agent's mean below the line, so that its noise alone would make the two go together; each
+vanilla agent's runs are therefore split at random: one half says how slow it is, the other goes
+into the ratio.
 """
 
 from collections.abc import Sequence
@@ -22,10 +23,11 @@ _REPEATS = 2000
 _FEWEST = 4  # learners over which a correlation says something
 
 WAYS = ("ratio", "order")
-"""What is compared with what. "ratio": mean vanilla episodes with the ratio of means, a run that did
-not come so far counting with the episodes it had. "order": the vanilla median with how often the
-vanilla agent comes first, a run that did not come so far being later than all that did. Where there
-are such runs, the order is right, and the ratio is not: their episodes are few where each is long."""
+"""What is compared with what. "ratio": mean vanilla episodes with the ratio of means, a run that
+did not come so far counting with the episodes it had. "order": the vanilla median with how often
+the vanilla agent comes first, a run that did not come so far being later than all that did. Where
+there are such runs, the order is right, and the ratio is not: their episodes are few where each is
+long."""
 
 Sides = tuple[Agent, Agent]
 """A regularised agent, and the vanilla one of the same learner, map and tool."""
@@ -38,8 +40,8 @@ class Association:
     Attributes:
         measure: one of `data.MEASURES`.
         by: one of `WAYS`.
-        middle: Spearman's rank correlation over the learners, averaged over the rows and over random
-            halves of the vanilla runs.
+        middle: Spearman's rank correlation over the learners, averaged over the rows and over
+            random halves of the vanilla runs.
         low, high: the ends of its 95 % bootstrap interval, learners drawn anew.
         learners: how many there are.
         below, marks: how many of the ratios are below 1, of how many.
@@ -147,7 +149,7 @@ def _sides(learner: Learner, experiment: Experiment, row: Row, vanilla: Row) -> 
 def _halves(
     sides: Sides, measure: str, by: str, repeats: int, random: np.random.Generator
 ) -> tuple[Float[np.ndarray, "repeats"], Float[np.ndarray, "repeats"]]:
-    """How slow the vanilla agent is by one half of its runs, and how the other compares by the rest."""
+    """How slow the vanilla agent is by one half of its runs, and the comparison by the other."""
     ratio = by == "ratio"
     agent, bare = (one.budgeted(measure) if ratio else one.counts[measure] for one in sides)
     if len(bare) < 2:
