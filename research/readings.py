@@ -55,9 +55,7 @@ def attempt(task: dict[str, Any], changes: int) -> dict[str, Any]:
     """One attempt, and what its best map meets."""
     experiment = next(e for e in EXPERIMENTS if e.stated == task["experiment"])
     reading = Reading.of(f" {task['reading']}")[1]
-    stated = replace(
-        load_stated(f"{experiment.stated}-all"), reading=reading, over=task["over"]
-    )
+    stated = replace(load_stated(f"{experiment.stated}-all"), reading=reading, over=task["over"])
     begin = None if task["start"] == RANDOM else load_world(task["start"])
     schedule = Schedule(changes, _HOT.get(task["start"], _WARM))
     random = Random("-".join(map(str, task.values())))
