@@ -4,7 +4,7 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct survey \
+.PHONY: test test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings survey \
 	bench bench-sb3 page studio-picture clean
 
 # Side by side on all processors, the tests of a file together.
@@ -63,10 +63,18 @@ calibrate: $(INSTALLED)
 pace: $(INSTALLED)
 	$(BIN)/python research/pace/runs.py screen --out src/habilis/studies/data/pace/screen.csv
 
-# Searches for the other maps in src/habilis/studies/data/maps anew. An hour.
+# Searches for the other maps in src/habilis/studies/data/maps anew: 12 of each kind, the later ones by
+# lists that have more of what the paper states. An hour.
 reconstruct: $(INSTALLED)
-	$(BIN)/habilis reconstruct yard --count 6 --out maps
+	$(BIN)/habilis reconstruct yard-apart --count 6 --out maps
+	$(BIN)/habilis reconstruct yard --count 6 --after maps --out maps
 	$(BIN)/habilis reconstruct corridor --count 8 --from corridor --hot 0.3 --out maps
+	$(BIN)/habilis reconstruct corridor-all --count 4 --from corridor --hot 0.3 --after maps --out maps
+
+# A search under each reading of the rules: research/results/readings.csv. Half an hour; goes on where it
+# was stopped.
+readings: $(INSTALLED)
+	$(BIN)/python research/readings.py
 
 # Every small environment of Minigrid and toy-text, by ours and by a search of its own: the table in
 # docs/explanation/is-it-right.md. An hour; goes on where it was stopped.

@@ -62,11 +62,12 @@ def drawings():
 KINDS = {"R": "rake", "S": "stick", "M": "magnet", "D": "ball", "E": "crate"}
 
 
-def drawn(rows, actions):
+def drawn(rows, actions, words=""):
     """A drawing as a world. It has no goal: one is put where nothing comes to."""
     cells = "".join(rows)
     first = next((character for character in cells if character in "CDE"), "")
     above = [f"{character} = {kind}" for character, kind in KINDS.items() if character in cells]
+    above += [f"P = picker {words}"] if words else []
     below = ["#" * len(rows[0]), "G".ljust(len(rows[0]), "#")]
     if not first:
         below[0], first = "C".ljust(len(rows[0]), "#"), "C"
@@ -76,13 +77,14 @@ def drawn(rows, actions):
 
 @pytest.mark.parametrize(("before", "action", "after"), list(drawings()))
 def test_the_drawings_of_rules_and_tools_are_what_happens(before, action, after):
+    words, _, action = action.rpartition(": ")
     actions = action.split(", ")
-    world = drawn(before, actions)
+    world = drawn(before, actions, words)
     mdp = habilis.tabulate(world, starts=[start_of(world)])
     state = mdp.start
     for one in actions:
         state = mdp.next_state[state, mdp.actions.index(one)]
-    assert start_of(placement(world, mdp, state)) == start_of(drawn(after, actions))
+    assert start_of(placement(world, mdp, state)) == start_of(drawn(after, actions, words))
 
 
 def page_of(tmp_path, text):

@@ -87,7 +87,9 @@ def test_verbs_that_take_worlds_say_so_of_environments_and_of_maps_text(verb, ca
         assert main([verb, name, *more.get(verb, ["--horizon", "1"])]) == 2
         out, err = capsys.readouterr()
         assert out == ""
-        assert re.fullmatch(rf"habilis: .*{says}.*name one of corridor, corridor-b, yard, yard-b.*\n", err)
+        assert re.fullmatch(
+            rf"habilis: .*{says}.*name one of corridor, corridor-b, yard, yard-b.*\n", err
+        )
     assert list(tmp_path.iterdir()) == []
 
 

@@ -104,7 +104,8 @@ def test_changes_keep_one_room_and_lead_anywhere():
 
 
 @pytest.mark.parametrize(
-    ("name", "over"), [*((name, "equipped") for name in stated_names()), ("yard", "reachable"), ("yard", "all")]
+    ("name", "over"),
+    [*((name, "equipped") for name in stated_names()), ("yard", "reachable"), ("yard", "all")],
 )
 def test_what_is_not_computed_again_has_not_changed(name, over):
     random, numbers = Random(2), load_stated(name).numbers

@@ -406,7 +406,9 @@ def test_words_come_in_any_order_and_with_a_slip():
     assert (world.tool, world.tool_slip) == ("picker", 0.5)
     assert world.reading == Reading(pushes=True, sweeps=True)
     assert world.text().startswith("P = picker pushes sweeps slip 0.5\n")
-    with pytest.raises(ValueError, match="line 1: 'P' is bound to 'picker pulls', which is unknown"):
+    with pytest.raises(
+        ValueError, match="line 1: 'P' is bound to 'picker pulls', which is unknown"
+    ):
         World.parse("P = picker pulls\nAP.CG")
 
 

@@ -243,7 +243,9 @@ def test_a_loaded_world_refuses_a_tool_it_cannot_take(tmp_path: Path):
 
 
 def test_an_unknown_world_is_refused_with_the_known_ones(tmp_path: Path):
-    with pytest.raises(ValueError, match="corridor, corridor-b, yard, yard-b, or the path of a map file"):
+    with pytest.raises(
+        ValueError, match="corridor, corridor-b, yard, yard-b, or the path of a map file"
+    ):
         load_world(tmp_path / "garden")
     with pytest.raises(ValueError, match="garden: no such world"):
         load_world("garden")

@@ -165,9 +165,6 @@ def figure_4b() -> Figure:
     """1-step TOE with the can next to the picker, and next to the broom: one colour scale."""
     scenes = {tool: pair().yard.with_tool(tool) for tool in ("picker", "broom")}
     return draw_landscapes(
-        {
-            f"(b) 1-step TOE, {tool}": scene.landscape(1, "object")
-            for tool, scene in scenes.items()
-        },
+        {f"(b) 1-step TOE, {tool}": scene.landscape(1, "object") for tool, scene in scenes.items()},
         cell=40,
     )

@@ -52,7 +52,10 @@ def one_step_foe_is_a_beacon_at_the_tool(worlds: Pair) -> Relation:
 
 
 def foe_grows_with_the_horizon(worlds: Pair) -> Relation:
-    one, five = worlds.corridor.landscape(1, "state").values, worlds.corridor.landscape(5, "state").values
+    one, five = (
+        worlds.corridor.landscape(1, "state").values,
+        worlds.corridor.landscape(5, "state").values,
+    )
     gain = np.nanmin(five - one)
     return Relation(
         "IV-B.2",
@@ -163,7 +166,11 @@ def equipped_lasts(worlds: Pair) -> Relation:
 
 
 def _tables_with_tools(worlds: Pair) -> list[TabularMDP]:
-    return [scene.with_tool(t).mdp for scene in (worlds.corridor, worlds.yard) for t in ("picker", "broom")]
+    return [
+        scene.with_tool(t).mdp
+        for scene in (worlds.corridor, worlds.yard)
+        for t in ("picker", "broom")
+    ]
 
 
 def attached_lasts(worlds: Pair) -> Relation:

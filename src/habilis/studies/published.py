@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-
 FIRST_WORLD, SECOND_WORLD = "corridor-b", "yard-b"
 """The built-in worlds of the two experiments: those that meet most of what the paper states. All of
 the reproduction uses them, and nothing else names them."""

@@ -142,7 +142,9 @@ def toe_is_zero_far_from_the_can(worlds: Pair) -> Relation:
 def foe_can_be_larger_for_the_broom(worlds: Pair) -> Relation:
     larger = []
     for horizon in range(2, 6):
-        picker, broom = (worlds.yard.with_tool(t).average(horizon, "state") for t in ("picker", "broom"))
+        picker, broom = (
+            worlds.yard.with_tool(t).average(horizon, "state") for t in ("picker", "broom")
+        )
         if broom > picker:
             larger.append(f"h = {horizon}: {broom:.3f} over {picker:.3f}")
     return Relation(

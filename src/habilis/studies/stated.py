@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 from habilis.studies.scenes import OVER
-from habilis.worlds.tools import TOOLS, Reading
+from habilis.worlds.tools import OURS, TOOLS, Reading
 from habilis.worlds.world import ENVIRONMENT, NO_TOOL
 
 KINDS = {
@@ -131,7 +131,7 @@ class StatedMap:
     walls: int
     numbers: tuple[Stated, ...]
     source: str = ""
-    reading: Reading = Reading()
+    reading: Reading = OURS
     over: str = OVER[0]
 
 

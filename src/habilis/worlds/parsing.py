@@ -11,7 +11,7 @@ from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL, ch
 from habilis.worlds.map_text import Header, Lines, header, map_lines
 from habilis.worlds.own_tools import beside, is_own, tool_named
 from habilis.worlds.things import CAN, OBJECTS, Cell, PlacedObject, PlacedTool
-from habilis.worlds.tools import TOOLS, UNBOUND, Reading
+from habilis.worlds.tools import OURS, TOOLS, UNBOUND, Reading
 
 _GOAL_OF = re.compile(r"goal of (\S)")
 _SLIP = re.compile(r"(.+?)\s+slip\s+(\S+)")
@@ -31,7 +31,7 @@ class Meaning:
     role: str
     kind: str = ""
     slip: float = 0.0
-    reading: Reading = Reading()
+    reading: Reading = OURS
 
 
 def parsed(text: str, name: str, folder: Path | None) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from habilis.worlds.own_tools import is_in_file, is_own, located, tool_named
-from habilis.worlds.tools import Reading, Tool
+from habilis.worlds.tools import OURS, Reading, Tool
 
 Cell = tuple[int, int]
 """(row, column), row 0 at the top."""
@@ -68,7 +68,7 @@ class PlacedTool:
     cell: Cell
     slip: float = 0.0
     own: Tool | None = field(default=None, repr=False, hash=False)
-    reading: Reading = Reading()
+    reading: Reading = OURS
 
     def __post_init__(self) -> None:
         """Finds one's own tool: what it does stays the same, whatever becomes of its file."""

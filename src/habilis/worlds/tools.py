@@ -232,6 +232,10 @@ class Reading:
         return said, cls(**dict.fromkeys(found, True))
 
 
+OURS = Reading()
+"""How Habilis reads the rules, unless a map says otherwise."""
+
+
 TOOLS: dict[str, Tool] = {
     "picker": Picker(),
     "broom": Broom(),

@@ -12,7 +12,7 @@ from habilis.worlds.own_tools import as_tool, is_in_file, is_own, located, tool_
 from habilis.worlds.parsing import numbered, parsed
 from habilis.worlds.things import CAN, PlacedObject, PlacedTool
 from habilis.worlds.things import Cell as Cell
-from habilis.worlds.tools import Reading, Tool, name_of
+from habilis.worlds.tools import OURS, Reading, Tool, name_of
 
 NO_TOOL = "none"
 ENVIRONMENT = "gym:"
@@ -58,7 +58,7 @@ class World:
     more_objects: tuple[PlacedObject, ...] = ()
     drop: bool = False
     held: int | None = None
-    reading: Reading = Reading()
+    reading: Reading = OURS
 
     def __post_init__(self) -> None:
         """Finds its own tool, refuses things that are not on free cells or are on each other.

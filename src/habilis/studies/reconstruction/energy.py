@@ -60,7 +60,9 @@ def weigh(
     parts: dict[int, float] = {}
     if before is not None:
         changed = {name for name in ("walls", *_THINGS) if _differ(world, before.world, name)}
-        parts = {i: before.parts[i] for i, s in enumerate(numbers) if not changed & looks_at(s, over)}
+        parts = {
+            i: before.parts[i] for i, s in enumerate(numbers) if not changed & looks_at(s, over)
+        }
         if not changed & {"walls", "tool_cell"}:
             scene = before.scene.restarted(world)
     total = sum(parts.values())
