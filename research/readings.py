@@ -89,7 +89,7 @@ def held(world: World, experiment: Experiment, stated: StatedMap) -> tuple[int, 
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--changes", type=int, default=CHANGES, help="of each attempt")
     parser.add_argument("--out", type=Path, default=RESULTS, help="the file to go on with")
     args = parser.parse_args()

@@ -48,7 +48,8 @@ def test_steps_and_episodes_are_those_that_were_made(made):
     steps = 0
     for number, update in enumerate(made):
         transition = update.log.transition[0]
-        record.add(np.asarray(transition), np.asarray(update.log.truncated[0]), 0.0)
+        did = np.asarray(transition), np.asarray(update.log.truncated[0])
+        record.add(record.gain(*did, 0.0))
         steps += int((transition >= 0).sum())
         assert record.steps == int(update.after.done.steps) == steps
         assert record.count == int(update.after.done.episodes) == 6 * (number + 1)

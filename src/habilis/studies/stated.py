@@ -188,24 +188,24 @@ def parse_stated(text: str, name: str = "list") -> StatedMap:
     if set(data) != {"map", "number"} or not isinstance(head, dict) or not _are_tables(entries):
         raise ValueError(f"{name}: has {', '.join(data) or 'nothing'}; {_ENTRIES}")
     sizes = ("height", "width", "walls")
-    head = {"name": name} | head
-    if set(head) != {*sizes, "tool", "name"} or any(_bad(int, head[size]) for size in sizes):
+    named: dict[str, Any] = {"name": name} | head
+    if set(named) != {*sizes, "tool", "name"} or any(_bad(int, named[size]) for size in sizes):
         raise ValueError(
             f"{name}: [map] needs height, width and walls (whole numbers), and tool; it may have "
             "name, no more"
         )
-    _called(name, head["name"])
-    _check_choice(f"{name}, [map]", "tool", head["tool"])
-    most = head["height"] * head["width"] - 4
-    if min(head["height"], head["width"]) < 1 or not 0 <= head["walls"] <= most:
+    _called(name, named["name"])
+    _check_choice(f"{name}, [map]", "tool", named["tool"])
+    most = named["height"] * named["width"] - 4
+    if min(named["height"], named["width"]) < 1 or not 0 <= named["walls"] <= most:
         raise ValueError(
-            f"{name}: {head['walls']} walls on {head['height']} x {head['width']} cells leave no "
+            f"{name}: {named['walls']} walls on {named['height']} x {named['width']} cells leave no "
             f"room; give 0 to {max(most, 0)}, or a larger map"
         )
     numbers = [
-        _stated(f"{name}, number {i}", entry, head) for i, entry in enumerate(entries, start=1)
+        _stated(f"{name}, number {i}", entry, named) for i, entry in enumerate(entries, start=1)
     ]
-    return StatedMap(**head, numbers=tuple(numbers), source=name)
+    return StatedMap(**named, numbers=tuple(numbers), source=name)
 
 
 def _like(name: str, head: dict[str, Any], like: Any, entries: Any) -> StatedMap:
