@@ -263,6 +263,8 @@ def parser(functions: Mapping[str, Verb]) -> argparse.ArgumentParser:
     v.add_argument("--seed", type=int, default=0, help="of the search (default 0)")
     v.add_argument("--out", type=Path, metavar="DIR", help="where to write the maps as text")
     v.add_argument("--attempts", type=int, default=200, metavar="N", help="at most (default 200)")
+    first = "number of the first, to go on where a search was stopped (default 1)"
+    v.add_argument("--attempt", type=int, default=1, metavar="N", help=first)
     changes = "at most in an attempt (default 2000)"
     v.add_argument("--changes", type=int, default=2000, metavar="N", help=changes)
     v.add_argument("--hot", type=float, default=1.0, metavar="T", help="temperature to begin at")

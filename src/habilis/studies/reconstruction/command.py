@@ -25,7 +25,7 @@ def reconstruct(args: Namespace) -> int:
         The exit status: 0 if there are as many maps as asked for, 1 if not.
     """
     stated = _read_so(load_stated(args.stated), args)
-    for name in ("count", "attempts", "changes"):
+    for name in ("count", "attempts", "changes", "attempt"):
         if getattr(args, name) < 1:
             raise ValueError(f"--{name} is {getattr(args, name)}; give 1 or more")
     if not args.hot > Schedule.cold:
@@ -40,7 +40,7 @@ def reconstruct(args: Namespace) -> int:
         _make_room(args.out, stated, range(first, first + args.count))
     maps: list[dict] = []
     nearest, report, began = None, _reporter(), time.perf_counter()
-    for attempt in attempts(stated, args.seed, known, begin, schedule, report):
+    for attempt in attempts(stated, args.seed, known, begin, schedule, report, args.attempt):
         if nearest is None or attempt.best.energy < nearest.energy:
             nearest = attempt.best
         if attempt.found:
@@ -60,7 +60,7 @@ def reconstruct(args: Namespace) -> int:
             if not args.json:
                 _print(world, numbers)
             began = time.perf_counter()
-        if len(maps) == args.count or attempt.number >= args.attempts:
+        if len(maps) == args.count or attempt.number >= args.attempt + args.attempts - 1:
             break
     report("")
     if args.json:

@@ -39,6 +39,7 @@ def attempts(
     begin: World | None = None,
     schedule: Schedule | None = None,
     report: Report = lambda line: None,
+    first: int = 1,
 ) -> Iterator[Attempt]:
     """One attempt after another, without end; the same for the same arguments.
 
@@ -49,6 +50,7 @@ def attempts(
         begin: the map to begin with each time; by default one at random.
         schedule: how long an attempt goes on, by default 2000 changes.
         report: told in words how it goes.
+        first: the number of the attempt to begin with; each is seeded for itself.
     """
     schedule = schedule or Schedule()
     others = list(known)
@@ -56,7 +58,7 @@ def attempts(
     def different(world: World) -> bool:
         return all(difference(world, other) >= LEAST_DIFFERENCE for other in others)
 
-    for number in count(1):
+    for number in count(first):
 
         def show(changes: int, energy: float, number: int = number) -> None:
             report(
