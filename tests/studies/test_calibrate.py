@@ -5,7 +5,6 @@ import pytest
 
 from habilis.studies import calibrate
 from habilis.studies.calibrate import frozen, scores, settings_grid, vanilla_configs
-from habilis.studies.published import FIRST_WORLD, SECOND_WORLD
 from habilis.studies.settings import frozen_settings
 
 
@@ -31,9 +30,9 @@ def test_only_settings_that_converged_in_every_screening_run_are_confirmed_while
 def test_vanilla_agents_alone_are_trained():
     configs = vanilla_configs(settings_grid()[0], {"seed": 1})
     assert [(c.world, c.tool) for c in configs] == [
-        (FIRST_WORLD, "picker"),
-        (SECOND_WORLD, "picker"),
-        (SECOND_WORLD, "broom"),
+        ("corridor", "picker"),
+        ("yard", "picker"),
+        ("yard", "broom"),
     ]
     assert not any(config.regularised for config in configs)
 

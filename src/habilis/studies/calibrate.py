@@ -28,6 +28,7 @@ from habilis.files import write_whole
 from habilis.learning.config import Config
 from habilis.learning.train import train
 from habilis.studies.published import EXPERIMENTS
+from habilis.studies.settings import FAST_MAPS
 
 DATA = Path(__file__).parent / "data"
 RESULTS = DATA / "calibration.csv"
@@ -77,7 +78,7 @@ def settings_grid() -> list[dict]:
 def vanilla_configs(setting: dict, stage: dict) -> list[Config]:
     """One configuration for each vanilla row of the paper."""
     return [
-        Config(world=e.world, tool=row.tool).changed(**FIXED, **setting, **stage)
+        Config(world=FAST_MAPS[e.name], tool=row.tool).changed(**FIXED, **setting, **stage)
         for e, row in VANILLA
     ]
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 FIRST_WORLD, SECOND_WORLD = "corridor-b", "yard-b"
-"""The built-in worlds of the two experiments: those that meet most of what the paper states. All of
-the reproduction uses them, and nothing else names them."""
+"""The built-in worlds of the two experiments: those that meet most of what the paper states. Its
+numbers, statements and figures about the worlds are of them, and nothing else names them."""
 
 
 @dataclass(frozen=True)

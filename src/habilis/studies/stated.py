@@ -199,8 +199,8 @@ def parse_stated(text: str, name: str = "list") -> StatedMap:
     most = named["height"] * named["width"] - 4
     if min(named["height"], named["width"]) < 1 or not 0 <= named["walls"] <= most:
         raise ValueError(
-            f"{name}: {named['walls']} walls on {named['height']} x {named['width']} cells leave no "
-            f"room; give 0 to {max(most, 0)}, or a larger map"
+            f"{name}: {named['walls']} walls on {named['height']} x {named['width']} cells leave "
+            f"no room; give 0 to {max(most, 0)}, or a larger map"
         )
     numbers = [
         _stated(f"{name}, number {i}", entry, named) for i, entry in enumerate(entries, start=1)

@@ -21,15 +21,12 @@ from habilis.files import write_whole
 from habilis.studies.multiverse import claims
 from habilis.studies.multiverse.settings import BETAS, HORIZONS, LEARNERS, Agent, agents
 from habilis.studies.published import EXPERIMENTS, REWARDS
-from habilis.studies.settings import FULL, row_config
+from habilis.studies.settings import FAST_MAPS, FULL, row_config
 from habilis.sweeps.command import progress_bar
 from habilis.sweeps.sweep import sweep
 
 FAST = "fast default"
 """The name of the learner of `data/settings.toml`."""
-
-_WORLDS = {"table1": "corridor", "table2": "yard"}
-"""Those of the multiverse, the first that were found, whatever the reproduction uses now."""
 
 
 def compared_agents() -> list[Agent]:
@@ -45,9 +42,8 @@ def compared_agents() -> list[Agent]:
 def _fast() -> Iterator[Agent]:
     for experiment in EXPERIMENTS:
         for row in experiment.rows:
-            world = _WORLDS[experiment.name]
-            config = row_config(experiment, row, FULL).changed(world=world)
-            where = (world, row.tool, REWARDS[row.intrinsic])
+            config = row_config(experiment, row, FULL)
+            where = (config.world, row.tool, REWARDS[row.intrinsic])
             yield Agent("fast", FAST, *where, row.horizon, row.beta, "plain", config)
 
 
@@ -62,7 +58,7 @@ def _of_the_multiverse() -> Iterator[Agent]:
             for row in experiment.rows:
                 horizon, beta = nearest(row.horizon, HORIZONS), nearest(row.beta, BETAS)
                 reward = REWARDS[row.intrinsic]
-                world = _WORLDS[experiment.name]
+                world = FAST_MAPS[experiment.name]
                 yield grid[learner, world, row.tool, reward, horizon, beta]
 
 
