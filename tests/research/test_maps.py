@@ -1,11 +1,11 @@
 """What research says about maps: random play, and a map of another reading."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import polars as pl
 import pytest
+import random_play
 
 from habilis.mdp import TabularMDP
 from habilis.studies.measured import measured
@@ -15,8 +15,6 @@ from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world
 
 RESEARCH = Path(__file__).parents[2] / "research"
-sys.path.append(str(RESEARCH))
-import random_play
 
 
 def test_random_play_is_a_walk_of_the_table():

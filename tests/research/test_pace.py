@@ -2,20 +2,17 @@
 
 import hashlib
 import json
-import sys
 from pathlib import Path
 
+import design
 import numpy as np
 import pytest
+import ranking
+import runs
 
 from habilis.learning.config import Config
 from habilis.learning.lanes import Program
 from habilis.studies.pace.data import load_pace
-
-sys.path.append(str(Path(__file__).parents[2] / "research" / "pace"))
-import design
-import ranking
-import runs
 
 FIRST = {"envs": 4, "rollout": 5, "hidden": (4,), "episode_limit": 20}
 
