@@ -131,7 +131,7 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         ("learning_rate", float("nan"), "give a finite number"),
         ("discount", 1.5, "from 0 to 1"),
         ("beta", float("inf"), "finite"),
-        ("optimizer", "sgd", "use one of rmsprop, adam"),
+        ("optimizer", "sgd", "use one of rmsprop, rmsprop-torch, adam"),
         ("runs", 1.5, "give a whole number"),
         ("runs", "3", "give a whole number"),
         ("entropy", float("inf"), "give a finite number"),
