@@ -8,7 +8,8 @@ the rows come to the published ones,
 
     sum over rows of (log mean - log published mean)^2 + (log sd - log published sd)^2 / 4,
 
-in which a run that did not converge counts with the episodes that it had. A pair is a setting, a
+in which a run that did not converge counts with its budget of episodes, a million: those that it
+had are few where each of them was cut off late. A pair is a setting, a
 corridor and a yard; the five best have five different settings, so that no learner decides alone.
 """
 
@@ -21,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 from design import settings
-from runs import Done, Line, read
+from runs import SCREEN, Done, Line, read
 
 from habilis.files import write_whole
 from habilis.studies.published import EXPERIMENTS
@@ -87,9 +88,9 @@ def distance(line: Line, mean: float, deviation: float) -> float:
 
 
 def budgeted(line: Line) -> np.ndarray:
-    """Episodes to convergence of each run; of one that did not converge, those that it had."""
-    pairs = zip(line["episodes"].split(), line["had"].split(), strict=True)
-    return np.array([float(had if at == "-" else at) for at, had in pairs])
+    """Episodes to convergence of each run; of one that did not converge, its budget."""
+    counts = line["episodes"].split()
+    return np.array([float(SCREEN["episodes"] if at == "-" else at) for at in counts])
 
 
 def frozen(pairs: list[Ranked]) -> str:

@@ -77,9 +77,9 @@ def test_converged_runs_in_the_worst_row_come_before_nearness():
     assert [one.setting for one in ranking.ranked(near | far)] == [2, 1]
 
 
-def test_a_run_that_did_not_converge_counts_with_the_episodes_it_had():
+def test_a_run_that_did_not_converge_counts_with_its_budget_however_few_episodes_it_had():
     _, row = line(1, "yard-b", "broom", 10, None, had=70)
-    np.testing.assert_array_equal(ranking.budgeted(row), [10, 70])
+    np.testing.assert_array_equal(ranking.budgeted(row), [10, 1_000_000])
 
 
 def test_a_setting_that_lacks_a_row_has_no_rank():
