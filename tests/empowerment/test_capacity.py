@@ -27,7 +27,9 @@ def holds(found: Capacity, P: np.ndarray, tolerance: float = 1e-6) -> None:
     assert p.shape == (len(P),)
     assert (p >= 0).all()
     assert p.sum() == pytest.approx(1, abs=1e-12)
-    each = divergences(P, p @ P)
+    # D(P_x || q) bounds the capacity for every q: where p gives an output nothing at all, though
+    # some input may cause it once in a billion times, that of p would bound it by infinity.
+    each = divergences(P, np.maximum(p @ P, np.finfo(np.float64).tiny))
     assert found.bits == pytest.approx(p[p > 0] @ each[p > 0], abs=1e-12)
     assert found.gap >= each.max() - found.bits - 1e-15
     assert 0 <= found.gap <= tolerance
@@ -111,6 +113,22 @@ def test_the_useful_pair_is_found_when_no_two_inputs_are_alike():
 
 
 # Against others
+
+
+def test_an_output_that_only_unused_inputs_cause_and_hardly_ever_leaves_the_certificate_finite():
+    rare, even = 4.179e-09, 0.120189008
+    P = np.array(
+        [
+            [rare, 1 - 2 * (rare + even), even, rare, even],
+            [0, 1, 0, 0, 0],
+            [0, 0.105256396, 0.447371802, 0, 0.447371802],
+            [0, 3.05535367e-04, 0.4998472323165, 0, 0.4998472323165],
+        ]
+    )
+    found = hb.capacity(P)
+    assert (found.input_distribution @ P)[[0, 3]].max() < 1e-15
+    holds(found, P)
+    assert blahut_arimoto(P) <= found.bits + found.gap + 1e-9
 
 
 @settings(max_examples=150, deadline=None)
