@@ -26,7 +26,7 @@ MOST_LANES = 512
 """Runs in one batch on another device, at most, unless another number is asked for."""
 
 _IN_FLIGHT = 2
-"""Batches of one device that is no CPU: while one computes, the other is entered into the books."""
+"""Batches of one GPU at a time: while one computes, the episodes of the other are summed up."""
 
 
 class NotFiniteError(FloatingPointError):
@@ -176,7 +176,7 @@ class _Waiting:
 
 
 def _width(wait: int, device: Any) -> int:
-    """How wide a batch of so many runs is, if nobody has said so."""
+    """The default width of a batch, given how many runs wait."""
     if device.platform == "cpu" or wait <= LANES:
         return LANES
     return min(MOST_LANES, 1 << (wait - 1).bit_length())
@@ -209,7 +209,7 @@ def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _
 
 
 def _gain(job: Job, run: int, log: Log, place: int, sound: bool) -> Gain | NotFiniteError:
-    """What a stretch adds to the record of a run, or that it has come to what is no number."""
+    """What a stretch adds to the record of a run, or the error if the run is no longer finite."""
     loss, envs = log.loss[place], log.transition.shape[-1]
     made = (np.asarray(log.transition[place]) >= 0).sum(axis=(1, 2))
     if (error := _not_finite(job, run, np.asarray(loss), made, sound)) is not None:

@@ -89,18 +89,31 @@ def rollout(
     """
 
     def step(place: Place, drawn: tuple) -> tuple[Place, Passed]:
-        draw, pick, chance = drawn
-        action, kept = act(place.state, draw)
-        transition = task.transition(place.state, action, chance)
-        reached = task.goes_on[transition]
-        steps = place.steps + 1
-        truncated = (reached >= 0) & (steps >= episode_limit)
-        ended = (reached < 0) | truncated
-        after = Place(jnp.where(ended, task.begin(pick), reached), jnp.where(ended, 0, steps))
-        return after, Passed(place.state, transition, truncated, kept)
+        after, passed, _ = _step(task, act, place, episode_limit, *drawn)
+        return after, passed
 
     # A few steps a turn of the compiled loop: its turns cost as much as the small operations in it.
     return jax.lax.scan(step, place, (draws, picks, chances), unroll=min(_TOGETHER, len(draws)))
+
+
+def _step(
+    task: Task,
+    act: Act,
+    place: Place,
+    episode_limit: Float[Array, ""],
+    draw: Float[Array, "E"],
+    pick: Float[Array, "E"] | None,
+    chance: Float[Array, "E"] | None,
+) -> tuple[Place, Passed, Bool[Array, "E"]]:
+    """One step of E environments: where they are then, what was done, and which episodes ended."""
+    action, kept = act(place.state, draw)
+    transition = task.transition(place.state, action, chance)
+    reached = task.goes_on[transition]
+    steps = place.steps + 1
+    truncated = (reached >= 0) & (steps >= episode_limit)
+    ended = (reached < 0) | truncated
+    after = Place(jnp.where(ended, task.begin(pick), reached), jnp.where(ended, 0, steps))
+    return after, Passed(place.state, transition, truncated, kept), ended
 
 
 def whole_episodes(
@@ -119,19 +132,9 @@ def whole_episodes(
     """
     steps, envs = draws.shape
 
-    def at(t: Int[Array, ""], drawn: Any) -> Any:
-        return None if drawn is None else drawn[t]
-
     def step(t: Int[Array, ""], place: Place) -> tuple[Place, Passed, Bool[Array, "E"]]:
-        action, kept = act(place.state, draws[t])
-        transition = task.transition(place.state, action, at(t, chances))
-        reached = task.goes_on[transition]
-        taken = place.steps + 1
-        truncated = (reached >= 0) & (taken >= episode_limit)
-        ended = (reached < 0) | truncated
-        begins = jnp.broadcast_to(task.begin(at(t, picks)), (envs,))
-        after = Place(jnp.where(ended, begins, reached), jnp.where(ended, 0, taken))
-        return after, Passed(place.state, transition, truncated, kept), ended
+        drawn = jax.tree.map(lambda drawn: drawn[t], (draws, picks, chances))
+        return _step(task, act, place, episode_limit, *drawn)
 
     def more(carry: tuple) -> Bool[Array, ""]:
         t, _, _, acting = carry
