@@ -70,6 +70,8 @@ def main() -> None:
             raise SystemExit("no pairs are frozen; write data/pace/pairs.toml with ranking.py")
         if args.stage == "ensemble":
             for number, pair in enumerate(pairs, 1):
+                if args.pairs and number not in args.pairs:
+                    continue
                 ensemble(number, pair, ENSEMBLE, args.out, stopped, args.lanes)
         else:
             ensemble(1, pairs[0], THIRTY, args.out, stopped, args.lanes)
@@ -232,6 +234,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--parts", type=_numbers, default=[], help="structures, by number")
     parser.add_argument("--settings", type=_numbers, default=list(range(len(settings()))))
     parser.add_argument("--maps", type=lambda text: text.split(","), help="of confirm, by name")
+    parser.add_argument("--pairs", type=_numbers, help="of the ensemble, by number, from 1")
     parser.add_argument("--together", type=int, default=6, help="settings trained side by side")
     parser.add_argument("--lanes", type=int, help="runs side by side in a batch")
     parser.add_argument("--seconds", type=float, default=float("inf"))
