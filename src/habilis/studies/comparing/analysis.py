@@ -15,7 +15,7 @@ from habilis.studies.verdicts import Outcome, mann_whitney, outcome_of
 
 
 def values_of(runs: pl.DataFrame, measure: Measure) -> Float[np.ndarray, "runs"]:
-    """A measure of each run; infinite where it counts episodes and a run did not come so far."""
+    """A measure of each run; infinite where it counts episodes and a run did not get there."""
     values = runs[measure.column].cast(pl.Float64)
     return values.fill_null(np.inf if measure.counts else 0.0).to_numpy()
 

@@ -67,7 +67,7 @@ class Measure:
     """A number of each run.
 
     Attributes:
-        column: in the table of runs; null where a run did not come so far.
+        column: in the table of runs; null where a run did not get there.
         title: in words.
         counts: whether it counts episodes, of which fewer are better, rather than being a share,
             of which more is better.

@@ -51,7 +51,7 @@ def slowness_figure(marks: pl.DataFrame) -> Figure:
         "marker": "o",
         "ls": "",
     }
-    handles.append(Line2D([], [], **hollow, label="some runs did not come so far"))
+    handles.append(Line2D([], [], **hollow, label="some runs exceeded their budget"))
     figure.tight_layout(rect=(0, 0.13, 1, 1))
     figure.legend(handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=TICK_SIZE)
     return figure
@@ -62,9 +62,10 @@ def _frame(ax: Axes, part: pl.DataFrame, measure: str, low: float, high: float) 
     many = np.log10(high / low) > 2.2
     log_axis(ax.yaxis, "regularised / vanilla", low, high, (1,) if many else (1, 2, 5))
     ax.axhline(1, color="#5b6270", linewidth=1)
-    note: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-    looks: dict[str, Any] = {"fontsize": TICK_SIZE, "color": "#5b6270", "va": "top"}
-    ax.annotate("below: the bonus helps", (0, 1), xytext=(5, -4), **note, **looks)
+    looks: dict[str, Any] = {"fontsize": TICK_SIZE, "color": "#5b6270", "va": "bottom"}
+    ax.text(
+        0.98, 0.02, "below the line the bonus helps", ha="right", transform=ax.transAxes, **looks
+    )
     ax.set_title(measure, fontsize=LABEL_SIZE)
     ax.spines[["top", "right"]].set_visible(False)
 

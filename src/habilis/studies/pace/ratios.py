@@ -70,7 +70,7 @@ def ratio_over(
 ) -> Ratio | None:
     """The episodes of one row over those of another, over all learners that have both.
 
-    A run that did not come so far counts with the episodes that it had in the ratio, and is later
+    A run that did not get there counts with the episodes that it had in the ratio, and is later
     than all that did in the verdict.
 
     Args:

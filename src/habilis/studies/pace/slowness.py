@@ -24,8 +24,8 @@ _FEWEST = 4  # learners over which a correlation says something
 
 WAYS = ("ratio", "order")
 """What is compared with what. "ratio": mean vanilla episodes with the ratio of means, a run that
-did not come so far counting with the episodes it had. "order": the vanilla median with how often
-the vanilla agent comes first, a run that did not come so far being later than all that did. Where
+did not get there counting with the episodes it had. "order": the vanilla median with how often
+the vanilla agent comes first, a run that exceeded its budget being later than all others. Where
 there are such runs, the order is right, and the ratio is not: their episodes are few where each is
 long."""
 
@@ -80,7 +80,7 @@ def marks(learners: Sequence[Learner]) -> pl.DataFrame:
 
     Returns:
         "learner", "source", "row", "measure", "vanilla" (mean episodes), "ratio" (mean episodes
-        regularised over vanilla, runs that did not come so far counting with their budget), and
+        regularised over vanilla, runs that did not get there counting with their budget), and
         whether it is "complete" (all runs of both came so far).
     """
     rows = [
