@@ -107,7 +107,7 @@ $(APART)/installed: pyproject.toml constraints-integration.txt
 		--constraint constraints-integration.txt torch==2.13.0
 	$(APART)/bin/python -m pip install --quiet --disable-pip-version-check \
 		--constraint constraints-integration.txt \
-		stable-baselines3==2.9.2 gymnax==1.0.1 six pytest --editable ".[learn,gymnasium]"
+		stable-baselines3==2.9.2 gymnax==1.0.1 six pytest beartype --editable ".[learn,gymnasium]"
 	touch $@
 
 $(INSTALLED): pyproject.toml constraints.txt

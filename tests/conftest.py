@@ -2,13 +2,29 @@
 
 import os
 import tempfile
+from collections.abc import Iterator
 from importlib.util import find_spec
+
+import jaxtyping
+import pytest
 
 # Values and compiled programs are kept for the processes that tests start, not in anyone's home.
 _CACHE = tempfile.mkdtemp(prefix="habilis-tests-")
 os.environ["JAX_COMPILATION_CACHE_DIR"] = _CACHE
 os.environ["XDG_CACHE_HOME"] = _CACHE
+# A shape that JAX would extend by itself is one that nobody wrote.
+os.environ["JAX_NUMPY_RANK_PROMOTION"] = "raise"
 
 # Those with other people's agents are for an environment of their own: make test-integration.
 _APART = ("torch", "stable_baselines3", "gymnax")
 collect_ignore = [] if all(map(find_spec, _APART)) else ["integration"]
+
+
+@pytest.fixture(autouse=True)
+def _annotations_are_checked(request: pytest.FixtureRequest) -> Iterator[None]:
+    """At run time, but for tests of what is refused that no type checker would let pass."""
+    jaxtyping.config.update(
+        "jaxtyping_disable", request.node.get_closest_marker("ill_typed") is not None
+    )
+    yield
+    jaxtyping.config.update("jaxtyping_disable", False)

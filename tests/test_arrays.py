@@ -139,6 +139,7 @@ def _as(kind: Any, values: np.ndarray) -> Any:
 
 
 @pytest.mark.parametrize("kind", ["m8[s]", "M8[s]", complex, object, str])
+@pytest.mark.ill_typed
 def test_what_is_no_number_is_no_table_and_no_channel(kind: Any):
     for what in (
         lambda: hb.TabularMDP.deterministic(RING.next_state.astype(kind)),
@@ -198,6 +199,7 @@ def test_a_weight_too_large_to_learn_with_is_refused_as_that(beta: float):
 
 
 @pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64, np.longdouble])
+@pytest.mark.ill_typed
 def test_a_number_of_numpys_is_a_number(kind: Any):
     half: Any = kind(0.5)
     config = hb.Config(intrinsic="object", horizon=1, beta=half, runs=np.int64(3))  # pyright: ignore[reportArgumentType]
@@ -220,6 +222,7 @@ def test_a_number_of_numpys_is_a_number(kind: Any):
 
 
 @pytest.mark.parametrize("slip", [np.bool_(True), np.float32("nan"), np.float32(1.5), 0.5j, "0.5"])
+@pytest.mark.ill_typed
 def test_what_is_no_probability_is_no_slip(slip: Any):
     for make in (lambda: TABLE.slippery(slip), lambda: TableEnv(TABLE, slip=slip)):
         with pytest.raises(ValueError, match="give a probability from 0 to 1"):
@@ -233,6 +236,7 @@ def test_labels_in_a_column_are_refused_with_the_shape_that_they_must_have(kind:
             hb.empowerment(RING, 1, labels.astype(kind))
 
 
+@pytest.mark.ill_typed
 def test_what_holds_matrices_and_is_no_list_is_refused_as_that():
     eyes = [csr_array(np.eye(2)), csr_array(np.eye(2))]
     boxed = np.empty(2, object)

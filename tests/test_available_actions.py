@@ -201,6 +201,7 @@ def test_as_many_matrices_as_states_need_their_axes():
         ([np.eye(2), np.eye(3), np.eye(2)], None, "P is ragged"),
     ],
 )
+@pytest.mark.ill_typed
 def test_axes_that_do_not_fit_are_refused(P: Any, axes: Any, message: str):
     with pytest.raises(ValueError, match=re.escape(message)):
         TabularMDP.stochastic(P, axes=axes)

@@ -50,6 +50,7 @@ def test_a_line_that_binds_below_the_map_is_refused():
 
 
 @pytest.mark.parametrize("text", [None, 3, MAP.encode(), MAP.split(), Path("map.txt"), ["A"] * 999])
+@pytest.mark.ill_typed
 def test_a_map_that_is_no_text_is_refused(text: Any):
     with pytest.raises(ValueError, match=r"the text of a map is .*; give a str") as caught:
         hb.World.parse(text)
@@ -73,6 +74,7 @@ def test_a_map_that_is_no_text_is_refused(text: Any):
         (hb.load_world("yard"), "world is World.*; give a built-in world's name"),
     ],
 )
+@pytest.mark.ill_typed
 def test_a_name_that_is_no_worlds_is_refused_in_one_short_line(name: Any, says: str):
     with pytest.raises(ValueError, match=says) as caught:
         hb.load_world(name)

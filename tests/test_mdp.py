@@ -111,6 +111,7 @@ def test_a_table_without_cells_finds_nothing_by_them():
         TabularMDP.deterministic(RING).find(agent=(0, 0))
 
 
+@pytest.mark.ill_typed
 def test_what_numpy_cannot_make_sense_of_is_refused_in_our_words():
     with pytest.raises(ValueError, match="next_state is ragged; give rows of one length"):
         TabularMDP.deterministic([[0, 1], [0]])

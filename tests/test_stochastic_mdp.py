@@ -127,6 +127,7 @@ def test_no_slip_is_no_noise_and_all_slip_is_no_choice():
 
 
 @pytest.mark.parametrize("slip", [-0.1, 1.1, np.nan, "0.1", True, None])
+@pytest.mark.ill_typed
 def test_a_slip_that_is_no_probability_is_refused(slip: Any):
     with pytest.raises(ValueError, match="give a probability from 0 to 1"):
         hb.tabulate(hb.load_world("yard"), slip=slip)

@@ -66,7 +66,7 @@ def _lines(found: Pairs) -> Iterable[list[str]]:
         ]
 
 
-def _shown(value: float, style: str) -> str:
+def _shown(value: float | np.integer, style: str) -> str:
     return f"{value:{style}}" if np.isfinite(value) else "-"
 
 

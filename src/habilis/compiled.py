@@ -1,5 +1,6 @@
 """Functions that Numba compiles, and keeps on disk where there is a place for that."""
 
+import inspect
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, TypeVar
@@ -16,6 +17,7 @@ def compiled(function: Function) -> Function:
     is compiled in every process anew.
     """
     made: Any
+    function = inspect.unwrap(function)  # tests check arguments by a wrapper
     try:
         made = njit(cache=True, nogil=True)(function)
     except RuntimeError:  # Numba has no place for its files

@@ -8,7 +8,6 @@ from contextlib import contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
 from secrets import token_hex
-from typing import BinaryIO
 
 PICTURES = (".png", ".svg", ".pdf")
 TABLES = (".csv", ".parquet", ".npz", ".npy")
@@ -50,7 +49,7 @@ def shown(name: object) -> str:
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
-def write_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
+def write_whole(path: str | Path, write: Callable[[BytesIO], object]) -> None:
     """Writes a file whole or not at all: in memory, beside its place, onto the disk, then renamed.
 
     Until everything is on the disk, an earlier file is as it was; it keeps its permissions. A
@@ -92,7 +91,7 @@ def write_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
         _sync_folder(target.parent)
 
 
-def save_whole(path: str | Path, write: Callable[[BinaryIO], object]) -> None:
+def save_whole(path: str | Path, write: Callable[[BytesIO], object]) -> None:
     """`write_whole` for those who name the file.
 
     Raises:

@@ -3,7 +3,7 @@
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float32, Int32
@@ -29,6 +29,7 @@ HELD, LAID = "held", "laid"
 _NOWHERE = -2  # a label of no state: cells are 0 and up, what a world lacks is -1
 
 
+@runtime_checkable
 class Origin(Protocol):
     """The environment that a table was made of."""
 
@@ -37,11 +38,11 @@ class Origin(Protocol):
         """How many transitions of the table were seen in replays of the environment."""
         ...
 
-    def restore(self, state: int) -> Any:
+    def restore(self, state: int | np.integer) -> Any:
         """The environment in a state."""
         ...
 
-    def observation(self, state: int) -> Any:
+    def observation(self, state: int | np.integer) -> Any:
         """What it shows in a state."""
         ...
 
@@ -238,7 +239,7 @@ class TabularMDP:
         """For pickles: the environment that a table was made of stays behind."""
         return vars(self) | {"origin": None}
 
-    def restore(self, state: int) -> Any:
+    def restore(self, state: int | np.integer) -> Any:
         """An environment in a state of a table that `from_gymnasium` made.
 
         Args:
@@ -261,7 +262,7 @@ class TabularMDP:
         """
         return self._environment(state).restore(int(state))
 
-    def observation(self, state: int) -> Any:
+    def observation(self, state: int | np.integer) -> Any:
         """What the environment of `from_gymnasium` shows in a state, through its wrappers.
 
         Args:
@@ -281,7 +282,7 @@ class TabularMDP:
         """
         return self._environment(state).observation(int(state))
 
-    def _environment(self, state: int) -> "Origin":
+    def _environment(self, state: int | np.integer) -> "Origin":
         if self.origin is None:
             raise ValueError(
                 "this table was not made from an environment; TabularMDP.from_gymnasium makes one"

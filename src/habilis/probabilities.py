@@ -14,7 +14,7 @@ _ROUNDING = 1e-9  # by how much a row of float64 may miss 1
 _COARSE_ROUNDING = 1e-5  # of a narrower type
 
 
-def as_array(name: str, values: ArrayLike, otherwise: str = "") -> np.ndarray:
+def as_array(name: str, values: Any, otherwise: str = "") -> np.ndarray:
     """`values` as an array.
 
     Args:

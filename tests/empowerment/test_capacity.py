@@ -318,6 +318,7 @@ def test_a_channel_whose_columns_sum_to_one_is_to_be_transposed(shape: tuple[int
 
 
 @pytest.mark.parametrize("tolerance", [0, -1e-6, np.nan, np.inf, "1e-6", None, True])
+@pytest.mark.ill_typed
 def test_a_tolerance_that_is_no_number_above_zero_is_refused(tolerance: Any):
     with pytest.raises(ValueError, match="give a number of bits above 0"):
         hb.capacity([[1.0]], tolerance)

@@ -324,6 +324,7 @@ def test_bits_come_as_floats_one_for_each_state_asked_about():
     assert (bits.dtype, bits.shape) == (np.float64, (0,))
 
 
+@pytest.mark.ill_typed
 def test_whole_numbers_of_numpy_are_whole_numbers():
     actions, states = np.array([0, 1], np.uint8), np.array([0], np.int16)
     assert empowerment(SWITCH, np.int64(1), actions=actions, states=states) == [1]  # pyright: ignore[reportArgumentType]
@@ -342,6 +343,7 @@ ROOM = tabulate(World.parse("A.PCG"))
 
 
 @pytest.mark.parametrize("horizon", [-1, 1.0, 2.5, True, np.float64(2), np.True_, "2", None])
+@pytest.mark.ill_typed
 def test_a_horizon_that_is_not_a_whole_number_from_0_up_is_refused(horizon: Any):
     with pytest.raises(ValueError, match=r"horizon is .*; give a whole number from 0 up"):
         empowerment(ROOM, horizon)
@@ -368,6 +370,7 @@ def test_a_sensor_that_is_not_one_integer_a_state_is_refused(labels: Any):
 @pytest.mark.parametrize(
     "actions", [[], [[0, 1]], [0.0], [True, False], 0, ["north"], np.array([])]
 )
+@pytest.mark.ill_typed
 def test_actions_that_are_not_a_list_of_indices_are_refused(actions: Any):
     with pytest.raises(ValueError, match="give a list of action indices, at least one"):
         empowerment(SWITCH, 1, actions=actions)

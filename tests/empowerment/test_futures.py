@@ -124,6 +124,7 @@ def test_sequences_are_arrows_in_a_world_and_names_or_numbers_elsewhere():
         ({"max_gib": -1}, "max_gib is -1"),
     ],
 )
+@pytest.mark.ill_typed
 def test_bad_input_is_refused(arguments: Any, message: str):
     with pytest.raises(ValueError, match=re.escape(message)):
         futures(hb.tabulate(WORLD), **({"state": 0, "horizon": 1} | arguments))

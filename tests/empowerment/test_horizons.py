@@ -58,6 +58,7 @@ def test_a_sensor_of_very_many_labels_is_counted_forward():
     np.testing.assert_array_equal(found[:, 0], np.log2([1, 2, 3, 4]))
 
 
+@pytest.mark.ill_typed
 def test_what_cannot_be_asked_is_refused_as_it_is_of_one_horizon():
     mdp = MDP.deterministic([[0, 1], [1, 0]])
     wrong: list[dict[str, Any]] = [{"unit": "dits"}, {"threads": 0}, {"seed": -1}]

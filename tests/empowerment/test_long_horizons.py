@@ -346,8 +346,22 @@ def test_a_limit_of_time_is_for_all_states_and_not_for_one():
     watch = watched(100, 100, 0.5, Limits(8, 1e-9), lambda share: None)
     watch(0.0)
     watch(1.0)
+
+    def work() -> None:
+        while True:
+            watch(0.25)
+
     with pytest.raises(TooMuchError, match=r"takes about 0.5 GiB and \S+ s; the limits are 8 GiB"):
-        watch(0.25)
+        work()
+
+
+def test_a_stall_of_the_machine_in_its_first_moments_refuses_nothing(monkeypatch):
+    clock = iter([0.0, 1.0, 2.1, 4.5])
+    monkeypatch.setattr("time.monotonic", lambda: next(clock))
+    watch = watched(10_000, 10_000, 0.5, Limits(8, 3600), lambda share: None)
+    watch(1e-4)  # a second for one step of ten thousand
+    watch(0.1)
+    watch(0.3)
 
 
 def test_the_horizon_that_is_refused_is_the_one_that_was_asked_for():

@@ -58,7 +58,8 @@ def test_a_window_is_the_least_that_holds_every_displacement(thing, horizon: int
         down, right = row[at] - row[:, None], column[at] - column[:, None]
         moves += [(down.min(), right.min()), (down.max(), right.max())]
     (top, left), (bottom, right) = np.min(moves, axis=0), np.max(moves, axis=0)
-    assert window == Window(top, left, bottom - top + 1, right - left + 1)
+    size = int(bottom - top + 1), int(right - left + 1)
+    assert window == Window(int(top), int(left), *size)
 
 
 def test_no_window_is_used_that_saves_nothing():

@@ -360,6 +360,7 @@ def test_what_else_runs_makes_no_estimate_larger(monkeypatch: pytest.MonkeyPatch
         ({"max_seconds": "1"}, "max_seconds is '1'; give a number above 0"),
     ],
 )
+@pytest.mark.ill_typed
 def test_bad_input_is_refused_with_the_mend(arguments: Any, message: str):
     P = np.full((3, 2, 3), 1 / 3)
     with pytest.raises(ValueError, match=re.escape(message)):

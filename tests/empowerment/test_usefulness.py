@@ -84,7 +84,7 @@ def test_no_actions_are_of_no_use():
     ],
 )
 def test_a_difference_counts_where_it_is_certain(with_tool, without, gaps, better, encumbers):
-    none: Any = [np.zeros(0)] * 6
+    none: Any = [np.zeros(0, kind) for kind in (np.int64, float, float, bool, bool, bool)]
     values: Any = (*none, with_tool, without, *gaps)
     found = Usefulness(*values)
     assert found.better_than_none_on_average == better

@@ -91,6 +91,7 @@ def test_the_environment_that_was_passed_is_left_alone():
         (T(WithP(listed(), s=False)), 0, "no attribute s by which a state is restored"),
     ],
 )
+@pytest.mark.ill_typed
 def test_what_cannot_be_restored_is_refused(mdp: hb.TabularMDP, state: Any, message: str):
     ask = mdp.observation if "shows" in message else mdp.restore
     with pytest.raises(ValueError, match=re.escape(message)):

@@ -173,6 +173,7 @@ def test_a_tool_passes(tool):
         ),
     ],
 )
+@pytest.mark.ill_typed
 def test_what_is_no_tool_is_refused_with_the_placement_and_the_mend(tool, says):
     with pytest.raises(ValueError, match=r"^tool ") as caught:
         hb.check_tool(tool)

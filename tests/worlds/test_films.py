@@ -116,6 +116,7 @@ def test_pictures_make_the_film_that_their_states_make(name: str, tmp_path: Path
 
 
 @pytest.mark.parametrize("suffix", ["gif", "mp4"])
+@pytest.mark.ill_typed
 def test_a_film_that_cannot_be_made_is_refused_and_nothing_written(suffix: str, tmp_path: Path):
     path = tmp_path / f"walk.{suffix}"
     picture = np.zeros((8, 8, 3), np.uint8)
@@ -175,6 +176,7 @@ def test_a_colour_that_only_a_picture_in_the_middle_has_is_kept(tmp_path: Path):
 @pytest.mark.parametrize(
     "numbers", [{"milliseconds": 250.5}, {"milliseconds": float("nan")}, {"cell": 0}, {"cell": 1.5}]
 )
+@pytest.mark.ill_typed
 def test_numbers_that_are_no_whole_ones_are_refused(suffix, numbers, tmp_path: Path):
     path = tmp_path / f"walk{suffix}"
     (name,) = numbers

@@ -225,6 +225,7 @@ def test_the_line_that_fails_is_named_and_a_mended_file_is_read(folder):
     assert load_world("yard", tool="mytools.py:Rake").tool_rule
 
 
+@pytest.mark.ill_typed
 def test_a_tool_is_given_as_itself_or_as_its_class():
     rake = tool_named(RAKE)
     yard = load_world("yard")
@@ -437,6 +438,7 @@ def test_a_world_goes_to_another_process_and_to_another_folder(folder, tmp_path_
         ("carry", "thing.sort()", r"carry fails with ValueError: .*read-only"),
     ],
 )
+@pytest.mark.ill_typed
 def test_an_answer_without_a_place_on_the_map_is_an_error_with_a_name(method, body, says, folder):
     step = "" if method == "attached" else ", step"
     text = f"\n\ndef answer(self, agent, tool, thing{step}):\n    return {body}\n\n\n"

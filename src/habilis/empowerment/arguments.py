@@ -1,10 +1,10 @@
 """What may be asked: every argument of a measure, checked in one place."""
 
-from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Int64
+from numpy.typing import ArrayLike
 
 from habilis.checks import is_number
 from habilis.mdp import TabularMDP
@@ -46,7 +46,7 @@ def per_bit(unit: Unit) -> float:
     return sizes[unit]
 
 
-def chosen_actions(mdp: TabularMDP, actions: Sequence[int] | None) -> Int64[np.ndarray, "A"]:
+def chosen_actions(mdp: TabularMDP, actions: ArrayLike | None) -> Int64[np.ndarray, "A"]:
     """The action indices asked for, each once, in order; all if nobody says."""
     if actions is None:
         return np.arange(mdp.action_count)

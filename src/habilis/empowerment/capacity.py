@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Float64, Int64, Integer
 
 from habilis.checks import is_number
 from habilis.probabilities import row_stochastic, shape_of
@@ -166,7 +166,7 @@ def _over_parts(channel: "csr_array", tolerance: float) -> Float64[np.ndarray, "
 
 def _parts(
     channel: "csr_array",
-) -> tuple[Int64[np.ndarray, "n"], Int64[np.ndarray, "m"], int]:
+) -> tuple[Integer[np.ndarray, "n"], Integer[np.ndarray, "m"], int]:
     """The part that each input and each output belongs to, and how many there are."""
     from scipy.sparse import block_array
     from scipy.sparse.csgraph import connected_components

@@ -104,7 +104,7 @@ def count_every_horizon(
     starts: Int64[np.ndarray, "n"],
     threads: int = 1,
     watch: Progress = unwatched,
-) -> Int64[np.ndarray, "h+1 n"]:
+) -> Int64[np.ndarray, "{horizon}+1 n"]:
     """|O_0(s)|, |O_1(s)|, ... |O_h(s)| of some states, by a column for each label."""
     counts = np.zeros((horizon + 1, len(starts)), np.int64)
     lock = threading.Lock()

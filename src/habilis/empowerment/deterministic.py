@@ -34,6 +34,7 @@ _TRIFLE = 2_000_000  # state-actions in all steps below which that takes longer 
 _GIB = 2**30
 
 Counts = Int64[np.ndarray, "n"]
+Levels = Int64[np.ndarray, "levels"]  # states within 0, 1, ... actions
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ def counts(question: Question) -> Counts:
     return _of_many_labels(question, asked, place, levels, graph)
 
 
-def counts_by_horizon(question: Question) -> Int64[np.ndarray, "h+1 n"]:
+def counts_by_horizon(question: Question) -> Int64[np.ndarray, "horizons n"]:
     """`counts` of 0, 1, ... h actions.
 
     Raises:
@@ -193,7 +194,7 @@ def _compile_lists() -> None:
     count_forward(table, labels, 1, 1, starts)
 
 
-def _near(question: Question) -> tuple[Question, Counts, Int64[np.ndarray, "levels"]]:
+def _near(question: Question) -> tuple[Question, Counts, Levels]:
     """The part of a question that h actions can touch, the starts in it, and its growth.
 
     Returns:
@@ -211,7 +212,7 @@ def _near(question: Question) -> tuple[Question, Counts, Int64[np.ndarray, "leve
 
 def neighbourhood(
     table: Int32[np.ndarray, "S A"], starts: Int64[np.ndarray, "n"], horizon: int
-) -> tuple[Counts, Int32[np.ndarray, "N A"], Counts, Int64[np.ndarray, "levels"]]:
+) -> tuple[Int64[np.ndarray, "N"], Int32[np.ndarray, "N A"], Counts, Levels]:
     """The part of the table that h actions from the starts can touch.
 
     Returns:
@@ -252,7 +253,7 @@ def _reached(table, starts, horizon):
     return np.array(found, np.int64), np.array(levels, np.int64)
 
 
-def _in_window(question: Question, asked: Question, levels: Counts) -> Counts | None:
+def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | None:
     """To how many cells a thing can be brought, if looking at those near it saves anything."""
     assert asked.cells is not None
     assert asked.shape is not None
@@ -276,7 +277,7 @@ def _in_window(question: Question, asked: Question, levels: Counts) -> Counts | 
 
 
 def _of_many_labels(
-    question: Question, asked: Question, place: Counts, levels: Counts, graph: Graph | None
+    question: Question, asked: Question, place: Counts, levels: Levels, graph: Graph | None
 ) -> Counts:
     """As lists while sets are short, and as columns of bits where they outgrow these."""
     starts, where = place, slice(None)
@@ -334,7 +335,7 @@ def _first_half(watch: Progress) -> Progress:
 # What it takes, in bytes, by how many states there are.
 
 
-def _check(horizon: int, asked: Question, levels: Counts, memory: Callable[[int], float]) -> float:
+def _check(horizon: int, asked: Question, levels: Levels, memory: Callable[[int], float]) -> float:
     """The memory in GiB, unless it is above the limit.
 
     Raises:

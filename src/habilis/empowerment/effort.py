@@ -48,7 +48,7 @@ def check_effort(
     successors, horizon = problem.successors, problem.horizon
     states, actions = shape_of(problem.sensor)[0], successors.actions
     if successors.certain:  # beliefs are states: so many are gone through, or make a channel
-        worst = np.log(max(horizon * actions, _width(problem, np.array([states]))[0]))
+        worst = np.log(max(horizon * actions, _width(problem, np.array([float(states)]))[0]))
     else:
         worst = horizon * np.log(actions)
     worst += np.log(states) + np.log(max(len(starts), 1))

@@ -1,10 +1,10 @@
 """The futures that an agent could choose among: the inputs that attain a state's empowerment."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
+from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import (
     Unit,
@@ -59,7 +59,7 @@ def futures(
     state: int,
     horizon: int,
     sensor: Sensor = "state",
-    actions: Sequence[int] | None = None,
+    actions: ArrayLike | None = None,
     *,
     unit: Unit = "bits",
     tolerance: float = 1e-6,

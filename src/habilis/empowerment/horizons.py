@@ -1,6 +1,6 @@
 """Empowerment of every horizon up to h at once."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
@@ -31,10 +31,10 @@ def empowerment_by_horizon(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor = "object",
-    actions: Sequence[int] | None = None,
+    actions: ArrayLike | None = None,
     states: ArrayLike | None = None,
     **options: Unpack[Options],
-) -> Float64[np.ndarray, "h+1 n"]:
+) -> Float64[np.ndarray, "{horizon}+1 n"]:
     """Empowerment of 0, 1, ... h actions.
 
     Where nothing is noisy, the sets of observations pass through every horizon on their way to
@@ -68,7 +68,7 @@ def empowerment_until_repeated(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor = "object",
-    actions: Sequence[int] | None = None,
+    actions: ArrayLike | None = None,
     states: ArrayLike | None = None,
     **options: Unpack[Options],
 ) -> Float64[np.ndarray, "k n"]:
@@ -89,7 +89,7 @@ def _counted(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor,
-    actions: Sequence[int] | None,
+    actions: ArrayLike | None,
     states: ArrayLike | None,
     options: Options,
 ) -> Float64[np.ndarray, "k n"]:
@@ -113,10 +113,10 @@ def _each(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor,
-    actions: Sequence[int] | None,
+    actions: ArrayLike | None,
     states: ArrayLike | None,
     options: Options,
-) -> Float64[np.ndarray, "h+1 n"]:
+) -> Float64[np.ndarray, "{horizon}+1 n"]:
     """Horizon by horizon, the largest first: what takes too long is refused at once."""
     limits = _limits(options)
     row = 8 * max(len(chosen_states(mdp, states)), 1)

@@ -4,7 +4,6 @@ The measures are ours. An agent has influence within h actions where its h-step 
 the object is above 0: where it has any choice of what becomes of it.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Unpack
 
@@ -25,7 +24,7 @@ def latency(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor = "object",
-    actions: Sequence[int] | None = None,
+    actions: ArrayLike | None = None,
     states: ArrayLike | None = None,
     **options: Unpack[Options],
 ) -> Float64[np.ndarray, "n"]:

@@ -1,11 +1,11 @@
 """Empowerment that is computed once for a table, and then read from the disk."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float64
+from numpy.typing import ArrayLike
 
 from habilis.cache import fingerprint, kept
 from habilis.empowerment.arguments import chosen_actions
@@ -21,7 +21,7 @@ def kept_empowerment(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor = "state",
-    actions: Sequence[int] | None = None,
+    actions: ArrayLike | None = None,
     *,
     folder: Path | None = None,
     **options: Unpack[Options],
@@ -50,7 +50,7 @@ def _kept(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor,
-    actions: Sequence[int] | None,
+    actions: ArrayLike | None,
     folder: Path | None,
     options: Options,
 ) -> Float64[np.ndarray, "S"]:

@@ -1,12 +1,12 @@
 """Landscapes: a value for every cell that the agent can be in, all else fixed."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from jaxtyping import Float64
+from numpy.typing import ArrayLike
 
 from habilis.empowerment.core import Options, empowerment
 from habilis.empowerment.landscape_states import asked
@@ -120,7 +120,7 @@ def landscape(
     world: World,
     horizon: int,
     sensor: Sensor = "state",
-    actions: Sequence[int] | None = None,
+    actions: ArrayLike | None = None,
     *,
     slip: float = 0.0,
     tool: Where | None = None,

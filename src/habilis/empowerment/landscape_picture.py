@@ -1,6 +1,7 @@
 """Landscapes side by side, with one colour scale."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +17,7 @@ _GAP, _HEAD, _BAR, _BAR_LABEL = 24, 36, 16, 64  # pixels
 
 def draw_landscapes(
     landscapes: Mapping[str, Landscape],
-    axes: Axes | Iterable[Axes] | None = None,
+    axes: Axes | Iterable[Any] | None = None,
     *,
     cell: int | None = None,
     labels: bool = True,

@@ -4,8 +4,6 @@ States that can be reached from each other form a component, and the components 
 order: who leaves one never comes back to it. So the agent ends up in one of them for ever.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
 from numpy.typing import ArrayLike
@@ -22,7 +20,7 @@ from habilis.worlds.world import World
 def persistence(
     mdp: TabularMDP | World,
     sensor: Sensor = "object",
-    actions: Sequence[int] | None = None,
+    actions: ArrayLike | None = None,
     states: ArrayLike | None = None,
     *,
     unit: Unit = "bits",
@@ -75,7 +73,7 @@ def persistence(
 
 
 def _certain_table(
-    mdp: TabularMDP, sensor: Sensor, actions: Sequence[int] | None
+    mdp: TabularMDP, sensor: Sensor, actions: ArrayLike | None
 ) -> Int32[np.ndarray, "S A"]:
     """Where the chosen actions lead, if they lead to one state each.
 

@@ -34,6 +34,7 @@ OTHERWISE = {
 UNLIMITED = Limits(inf, inf)
 
 _TRIAL = 0.5  # seconds before the rest is first estimated from what they did
+_STALL = 2.0  # seconds up to which a single estimate refuses nothing
 _STARTED = 10.0  # seconds after which a computation is no longer refused
 
 Progress = Callable[[float], None]
@@ -100,7 +101,8 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
 
     The first moments of a computation are its own trial: from the share that they did follows the
     time of the whole. Refusals come in these moments only, so none costs much. No share is exact,
-    so trials are made again as time goes by.
+    so trials are made again as time goes by; a busy machine stalls for moments, so the very first
+    trial alone refuses nothing.
 
     Args:
         horizon: that was asked for.
@@ -113,7 +115,7 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
         The function; it raises a `TooMuchError`.
     """
     began = time.monotonic()
-    next_trial = [min(_TRIAL, limits.seconds / 10)]
+    next_trial, doubted = [min(_TRIAL, limits.seconds / 10)], list[float]()
 
     def watch(share: float) -> None:
         tell(share)
@@ -123,7 +125,11 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
         next_trial[0] = 2 * elapsed
         seconds = elapsed / share
         if seconds > limits.seconds:
+            if elapsed < _STALL and not doubted:  # it may have waited for the processor
+                doubted.append(seconds)
+                return
             fitting = min(int(steps * limits.seconds / seconds), horizon - 1)
             raise too_much(horizon, fitting, limits, takes(gib, seconds), estimated=True)
+        doubted.clear()
 
     return watch

@@ -82,7 +82,7 @@ def last_of(
     return last
 
 
-def repeated(horizon: int, last: int, period: int) -> Int64[np.ndarray, "h+1"]:
+def repeated(horizon: int, last: int, period: int) -> Int64[np.ndarray, "{horizon}+1"]:
     """Which of the sets after 0 to `last` steps are those after 0 to h, if they repeat from there.
 
     Args:

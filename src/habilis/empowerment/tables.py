@@ -1,8 +1,8 @@
 """Values of states as tables, in memory and as files."""
 
 from collections.abc import Callable, Mapping
+from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 import polars as pl
@@ -79,7 +79,7 @@ def save_table(table: pl.DataFrame, path: str | Path) -> None:
     """
     write = TABLES[suffix_of(path, TABLES)]
 
-    def fill(file: BinaryIO) -> None:
+    def fill(file: BytesIO) -> None:
         try:
             write(table, file)
         except (ValueError, pl.exceptions.PolarsError) as error:
@@ -88,7 +88,7 @@ def save_table(table: pl.DataFrame, path: str | Path) -> None:
     save_whole(path, fill)
 
 
-def _npz(table: pl.DataFrame, file: BinaryIO) -> None:
+def _npz(table: pl.DataFrame, file: BytesIO) -> None:
     try:
         np.savez(file, allow_pickle=False, **{c.name: _array(c) for c in table})
     except (TypeError, ValueError) as error:
@@ -101,7 +101,7 @@ def _array(column: pl.Series) -> np.ndarray:
     return np.array(column.to_list(), str) if words else column.to_numpy()
 
 
-def _npy(table: pl.DataFrame, file: BinaryIO) -> None:
+def _npy(table: pl.DataFrame, file: BytesIO) -> None:
     columns = [column for column in table if column.dtype.is_float()]
     if len(columns) != 1:
         names = ", ".join(column.name for column in columns) or "none"
@@ -111,12 +111,12 @@ def _npy(table: pl.DataFrame, file: BinaryIO) -> None:
     write_array(columns[0].to_numpy(), file)
 
 
-def write_array(array: np.ndarray, file: BinaryIO) -> None:
+def write_array(array: np.ndarray, file: BytesIO) -> None:
     """Writes an array as .npy."""
     np.save(file, array, allow_pickle=False)
 
 
-TABLES: dict[str, Callable[[pl.DataFrame, BinaryIO], None]] = {
+TABLES: dict[str, Callable[[pl.DataFrame, BytesIO], None]] = {
     ".csv": lambda table, file: table.write_csv(file),
     ".parquet": lambda table, file: table.write_parquet(file),
     ".npz": _npz,

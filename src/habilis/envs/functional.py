@@ -6,13 +6,13 @@ values; before there were five, with one `done`). gymnax itself is not needed, t
 """
 
 import copy
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Int8, PRNGKeyArray
+from numpy.typing import ArrayLike
 
 from habilis.empowerment.bonus import Bonus
 from habilis.empowerment.keeping import kept_empowerment
@@ -137,7 +137,7 @@ class FunctionalEnv:
         horizon: int,
         sensor: Sensor,
         beta: float,
-        actions: Sequence[int] | None = None,
+        actions: ArrayLike | None = None,
         *,
         earned: str = "next",
         terminal_bonus: bool = True,

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -21,6 +21,7 @@ from habilis.mdp import TabularMDP
 Measure = Callable[[TabularMDP], Float64[np.ndarray, "S"]]
 
 
+@runtime_checkable
 class Places(Protocol):
     """The states of an environment as indices."""
 

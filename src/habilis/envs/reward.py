@@ -10,6 +10,7 @@ import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv, VectorWrapper
 from jaxtyping import Float64, Int64
+from numpy.typing import ArrayLike
 
 from habilis.empowerment.bonus import Bonus, regularised
 from habilis.empowerment.keeping import kept_empowerment
@@ -62,7 +63,7 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         horizon: int,
         sensor: Sensor = "state",
         beta: float | None = None,
-        actions: Sequence[int] | None = None,
+        actions: ArrayLike | None = None,
         *,
         beta_schedule: str = "constant",
         beta_steps: int = 0,
@@ -150,7 +151,7 @@ class VectorEmpowermentReward(VectorWrapper):
         horizon: int,
         sensor: Sensor = "state",
         beta: float | None = None,
-        actions: Sequence[int] | None = None,
+        actions: ArrayLike | None = None,
         *,
         discount: float = 0.99,
         max_states: int = 100_000,
@@ -297,7 +298,7 @@ def _states_of(
 
 
 def _measured(
-    horizon: int, sensor: Sensor, actions: Sequence[int] | None, mdp: TabularMDP
+    horizon: int, sensor: Sensor, actions: ArrayLike | None, mdp: TabularMDP
 ) -> Float64[np.ndarray, "S"]:
     return kept_empowerment(mdp, horizon, sensor, actions)
 

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -70,6 +70,7 @@ class Came:
     differs: tuple[str, str] | None = None
 
 
+@runtime_checkable
 class Dynamics(Protocol):
     """A table, and the environment that it is checked against."""
 

@@ -7,7 +7,7 @@ functions of the wrapped environment that the user gives.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from inspect import signature
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from habilis.gymnasium_tables.identity import View, view
 
@@ -121,6 +121,7 @@ class Snapshot:
     seen: Seen
 
 
+@runtime_checkable
 class Access(Protocol):
     """An environment's states.
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray, UInt32
+from jaxtyping import Array, Bool, Float, Int, Key, PRNGKeyArray, UInt32
 
 from habilis.learning import a2c, intrinsic, ppo, q_learning, soft_values
 from habilis.learning.algorithms import ALGORITHMS, Algorithm, name_of
@@ -136,7 +136,7 @@ def settings_of(config: Config, table: Float[np.ndarray, "S"]) -> Settings:
 
 
 @partial(jax.jit, static_argnames="program")
-def start_lanes(task: Task, program: Program, keys: PRNGKeyArray) -> Lane:
+def start_lanes(task: Task, program: Program, keys: Key[Array, "L"]) -> Lane:
     """Runs before their first step, one for each key."""
 
     def one_lane(key: PRNGKeyArray) -> Lane:

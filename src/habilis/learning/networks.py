@@ -100,7 +100,7 @@ class Network(eqx.Module):
     def activations(self, inputs: Inputs) -> list[Float[Array, "*batch _"]]:
         """What each hidden layer gives out, and the outputs."""
         active = ACTIVATIONS[self.activation][0]
-        x = self.bias
+        x = jnp.broadcast_to(self.bias, (*inputs.shape[:-1], *self.bias.shape))
         if jnp.issubdtype(inputs.dtype, jnp.integer):
             for factor in range(inputs.shape[-1]):
                 x = x + self.embedding[inputs[..., factor]]
@@ -109,7 +109,8 @@ class Network(eqx.Module):
         given = []
         for weight, bias in self.layers:
             given.append(active(x))
-            x = given[-1] @ weight + bias
+            x = given[-1] @ weight
+            x = x + jnp.broadcast_to(bias, x.shape)
         return [*given, x]
 
     def gradient(

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import polars as pl
 
@@ -23,6 +23,7 @@ OnProgress = Callable[[int, int], None]
 """Told how many tasks are finished, and of how many."""
 
 
+@runtime_checkable
 class Executor(Protocol):
     """Trains tasks.
 

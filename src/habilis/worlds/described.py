@@ -76,8 +76,8 @@ def describe(
 
 
 def rewards(
-    terminal: Bool[np.ndarray, "S"], next_state: Int32[np.ndarray, "S A"]
-) -> Float32[np.ndarray, "S A"]:
+    terminal: Bool[np.ndarray, "S"], next_state: Int32[np.ndarray, "*transitions"]
+) -> Float32[np.ndarray, "*transitions"]:
     """Rule 6 of the worlds: 0 for what ends an episode, -1 for all else."""
     return -(~terminal[next_state]).astype(np.float32)
 

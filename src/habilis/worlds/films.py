@@ -18,7 +18,8 @@ from habilis.worlds.tiles import Tiles
 from habilis.worlds.world import World
 
 Frame = UInt8[np.ndarray, "height width 3"]
-States = Sequence[World] | Sequence[Frame] | UInt8[np.ndarray, "frames height width 3"]
+Frames = Sequence[Frame] | UInt8[np.ndarray, "frames height width 3"]
+States = Sequence[World] | Frames
 
 _REST = 6  # how many times longer a film stays on its last frame
 _TICK, _LONGEST = 10, 655_350  # milliseconds: a GIF counts hundredths, in 16 bits
@@ -64,7 +65,7 @@ def save_gif(states: States, path: str | Path, cell: int = 32, milliseconds: int
     # One palette, so that still things do not flicker; a world's ends have all its colours.
     colours = np.concatenate([first, last])
     if not isinstance(states[0], World):
-        everywhere = _colours(cast(Sequence[Frame], states))
+        everywhere = _colours(cast(Frames, states))
         if everywhere.size > _colours([first, last]).size:
             colours = everywhere
     palette = Image.fromarray(colours).quantize(method=Image.Quantize.FASTOCTREE)
@@ -145,7 +146,7 @@ def _checked(
             raise ValueError(f"{path}: {name} is {number!r}; give a whole number of at least 1")
     if isinstance(states[0], World):
         return _of_worlds(cast(Sequence[World], states), path, cell)
-    return _of_pictures(cast(Sequence[Frame], states), path)
+    return _of_pictures(cast(Frames, states), path)
 
 
 def _of_worlds(
@@ -166,9 +167,7 @@ def _of_worlds(
     return tiles.picture(states[0]), tiles.picture(states[-1]), map(tiles.picture, states)
 
 
-def _of_pictures(
-    pictures: Sequence[Frame], path: str | Path
-) -> tuple[Frame, Frame, Iterator[Frame]]:
+def _of_pictures(pictures: Frames, path: str | Path) -> tuple[Frame, Frame, Iterator[Frame]]:
     frames = [np.asarray(picture) for picture in pictures]
     for number, pixels in enumerate(frames):
         if pixels.dtype != np.uint8 or pixels.shape != (*frames[0].shape[:2], 3):
@@ -179,7 +178,7 @@ def _of_pictures(
     return frames[0], frames[-1], iter(frames)
 
 
-def _colours(pictures: Sequence[Frame]) -> UInt8[np.ndarray, "1 colours 3"]:
+def _colours(pictures: Frames) -> UInt8[np.ndarray, "1 colours 3"]:
     """Every colour that there is in some pictures."""
     found = np.empty(0, np.int64)
     for pixels in pictures:

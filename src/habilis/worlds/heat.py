@@ -1,13 +1,13 @@
 """A value for every cell of a map: heat maps that stay readable."""
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backend_bases import RendererBase
 from matplotlib.collections import PolyCollection
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import ListedColormap
@@ -121,7 +121,7 @@ class _Labels(Artist):
         self._values, self._heat, self._below = values, heat, below
         self.set(in_layout=False, zorder=3)  # never larger than the cells
 
-    def draw(self, renderer: RendererBase) -> None:
+    def draw(self, renderer: Any) -> None:
         """Sets the font to the size that a cell has now; too small to read, labels are left out."""
         assert self.axes is not None
         assert self.axes.figure is not None

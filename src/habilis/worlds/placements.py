@@ -6,11 +6,10 @@ from math import prod
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Int64, Integer
 
 from habilis.mdp import HELD, LAID
 from habilis.worlds.rules import NONE, Grid, Places
-from habilis.worlds.tools import Cells
 from habilis.worlds.world import Cell, World
 
 Placement = Mapping[str, Any]
@@ -98,8 +97,8 @@ class Packing:
         drop: whether tools may be put down.
     """
 
-    free: Cells
-    rank: Cells
+    free: Integer[np.ndarray, "free"]
+    rank: Integer[np.ndarray, "cells"]
     tools: int
     objects: int
     several: bool

@@ -70,7 +70,7 @@ class Grid:
         """The index of a cell (row, column), or of each of int[2, n]."""
         return (cell[0] + BORDER) * self.stride + cell[1] + BORDER
 
-    def cell(self, index: int) -> Cell:
+    def cell(self, index: int | np.integer) -> Cell:
         """The cell that has an index."""
         row, column = divmod(int(index), self.stride)
         return row - BORDER, column - BORDER

@@ -152,7 +152,7 @@ def restarted(mdp: TabularMDP, world: World) -> TabularMDP:
     )
 
 
-def placement(world: World, mdp: TabularMDP, state: int) -> World:
+def placement(world: World, mdp: TabularMDP, state: int | np.integer) -> World:
     """A state as a world: the same map with its things where the state has them.
 
     Args:
