@@ -89,3 +89,10 @@ def test_the_readmes_tables_are_the_checked_in_results():
             assert f"{row['published_mean']:,.0f} ± {row['published_std']:,.0f}" in line
             assert f"{row['ours_mean']:,.0f} ± {row['ours_std']:,.0f}" in line
             assert f"{row['converged']} of {row['runs']}" in line
+            assert f"{row['thirty_mean']:,.0f} ± {row['thirty_std']:,.0f}" in line
+            assert f"{row['thirty_converged']} of {row['thirty_runs']}" in line
+            if row["ensemble_outcome"]:
+                assert f"| {row['thirty_ratio']:.2f} | {row['thirty_outcome']} |" in line
+                low, high = row["ensemble_low"], row["ensemble_high"]
+                ensemble = f"{row['ensemble_ratio']:.2f} [{low:.2f}, {high:.2f}]"
+                assert f"{ensemble}, {row['ensemble_outcome']} |" in line
