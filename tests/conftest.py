@@ -12,12 +12,14 @@ import pytest
 _CACHE = tempfile.mkdtemp(prefix="habilis-tests-")
 os.environ["JAX_COMPILATION_CACHE_DIR"] = _CACHE
 os.environ["XDG_CACHE_HOME"] = _CACHE
-# A shape that JAX would extend by itself is one that nobody wrote.
-os.environ["JAX_NUMPY_RANK_PROMOTION"] = "raise"
 
 # Those with other people's agents are for an environment of their own: make test-integration.
 _APART = ("torch", "stable_baselines3", "gymnax")
-collect_ignore = [] if all(map(find_spec, _APART)) else ["integration"]
+_IS_APART = all(map(find_spec, _APART))
+collect_ignore = [] if _IS_APART else ["integration"]
+
+if not _IS_APART:  # other people's code may let JAX extend shapes; ours says where it does
+    os.environ["JAX_NUMPY_RANK_PROMOTION"] = "raise"
 
 
 @pytest.fixture(autouse=True)

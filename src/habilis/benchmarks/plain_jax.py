@@ -73,7 +73,7 @@ def moved(room: Room, state: State, action: Int[Array, ""]) -> State:
     new_tool = jnp.where(equipped, carried, tool)
     new_can = jnp.where(is_move, pushed, swung)
     cells = jnp.stack([new_agent, new_tool, new_can])
-    size = jnp.array(room.wall.shape)
+    size = jnp.array(room.wall.shape)[None, :]
     inside = jnp.all((cells >= 0) & (cells < size))
     clear = ~jnp.any(room.wall[cells[:, 0], cells[:, 1]])
     apart = ~jnp.any(jnp.array([jnp.all(cells[i] == cells[i - 1]) for i in range(3)]))
