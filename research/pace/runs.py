@@ -36,9 +36,8 @@ ELSEWHERE: Setting = CONFIRM | {"steps": 8_000_000}
 """On the other maps. Of 283 converged runs of the screen, two took more than 6 M steps."""
 ENSEMBLE: Setting = {"runs": 10, "seed": 33_001, "episodes": 1_000_000, "steps": 15_000_000}
 THIRTY: Setting = {"runs": 30, "seed": 34_001, "episodes": 1_000_000, "steps": 15_000_000}
-GOES_ON = 3
-"""Of five runs, how many must converge in a row before the setting's next row is trained, for the
-rank is that of the worst row."""
+GOES_ON = 0.5
+"""What share of its runs must converge in a row before the setting's next row is trained."""
 
 CORRIDOR, YARD = FIRST_WORLD, FAST_MAPS["table2"]
 """Not the second world of the statements, in which no agent learns: `research/README.md`."""
@@ -63,7 +62,7 @@ def main() -> None:
     groups = [chosen[i : i + args.together] for i in range(0, len(chosen), args.together)]
     if args.stage == "screen":
         for group in groups:
-            screen(group, args.out, stopped, args.lanes)
+            in_turn(group, ROWS, SCREEN, args.out, stopped, args.lanes)
     elif args.stage in ("ensemble", "thirty"):
         pairs = load_pace().pairs
         if not pairs:
@@ -78,27 +77,28 @@ def main() -> None:
     else:
         for rows in [*((row,) for row in ROWS), *other_maps()]:
             if args.maps is None or rows[0][0] in args.maps:
+                budget = CONFIRM if rows[0] in ROWS else ELSEWHERE
                 for group in groups:
-                    confirm(group, rows, args.out, stopped, args.lanes)
+                    in_turn(group, rows, budget, args.out, stopped, args.lanes)
 
 
-def screen(numbers: Sequence[int], out: Path, stopped: Any, lanes: int | None = None) -> None:
-    """Each vanilla row in turn, of those settings that did not fail in the one before."""
-    left = list(numbers)
-    for world, tool in ROWS:
-        done = trained(left, world, tool, SCREEN, out, stopped, lanes)
-        left = [n for n in left if _converged(done.get((n, world, tool))) >= GOES_ON]
-
-
-def confirm(
-    numbers: Sequence[int], rows: Sequence[Where], out: Path, stopped: Any, lanes: int | None = None
+def in_turn(
+    numbers: Sequence[int],
+    rows: Sequence[Where],
+    budget: Setting,
+    out: Path,
+    stopped: Any,
+    lanes: int | None = None,
 ) -> None:
-    """The rows of a map in turn, of those settings of which half of the runs converged before."""
+    """Trains vanilla rows one after the other, each for the settings that did not fail before.
+
+    The rank is that of the worst row, so a setting goes on where enough of its runs converged.
+    """
     left = list(numbers)
     for world, tool in rows:
-        budget = CONFIRM if (world, tool) in ROWS else ELSEWHERE
         done = trained(left, world, tool, budget, out, stopped, lanes)
-        left = [n for n in left if 2 * _converged(done.get((n, world, tool))) >= budget["runs"]]
+        enough = GOES_ON * budget["runs"]
+        left = [n for n in left if _converged(done.get((n, world, tool))) >= enough]
 
 
 def trained(
@@ -167,9 +167,11 @@ def ensemble(
 
 def other_maps() -> list[list[Where]]:
     """The vanilla rows of every other map, in the order of `ROWS`."""
+    kinds: dict[str, list[str]] = {}
+    for world, tool in ROWS:
+        kinds.setdefault(world.partition("-")[0], []).append(tool)
     names = sorted(path.stem for path in MAPS.glob("*.txt"))
-    tools = {"corridor": ("picker",), "yard": ("broom", "picker")}
-    return [[(name, tool) for tool in tools[name.partition("-")[0]]] for name in names]
+    return [[(name, tool) for tool in kinds[name.partition("-")[0]]] for name in names]
 
 
 def read(path: Path, by: Sequence[str] = ("setting", "map", "tool")) -> dict[Any, Line]:

@@ -108,18 +108,20 @@ def test_the_best_pairs_have_different_settings_each_on_its_best_maps(tmp_path: 
     assert Config.from_dict(dict(second.learner)) == wanted
 
 
+SMALL: design.Setting = {"runs": 2, "seed": 5, "episodes": 40, "steps": 20_000}
+
+
 def test_what_is_trained_goes_into_the_file_once_and_is_read_by_the_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(runs, "settings", lambda: [FIRST, FIRST | {"learning_rate": 2e-3}])
-    monkeypatch.setattr(runs, "SCREEN", {"runs": 2, "seed": 5, "episodes": 40, "steps": 20_000})
     monkeypatch.setattr(runs, "GOES_ON", 0)
     file = tmp_path / "screen.csv"
-    runs.screen([0], file, lambda: False)
+    runs.in_turn([0], runs.ROWS, SMALL, file, lambda: False)
     before = file.read_text()
-    runs.screen([0], file, lambda: False)
+    runs.in_turn([0], runs.ROWS, SMALL, file, lambda: False)
     assert file.read_text() == before
-    runs.screen([0, 1], file, lambda: False)
+    runs.in_turn([0, 1], runs.ROWS, SMALL, file, lambda: False)
     assert file.read_text().startswith(before.splitlines()[0])
     screened = load_pace(tmp_path).screened
     assert screened is not None
@@ -133,13 +135,12 @@ def test_a_row_in_which_too_few_runs_converge_ends_a_setting(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(runs, "settings", lambda: [FIRST])
-    monkeypatch.setattr(runs, "SCREEN", {"runs": 2, "seed": 5, "episodes": 40, "steps": 20_000})
-    runs.screen([0], tmp_path / "screen.csv", lambda: False)
+    runs.in_turn([0], runs.ROWS, SMALL, tmp_path / "screen.csv", lambda: False)
     assert list(runs.read(tmp_path / "screen.csv")) == [(0, *runs.ROWS[0])]
 
 
 def test_what_there_is_no_time_for_is_left(tmp_path: Path):
-    runs.screen([0], tmp_path / "screen.csv", lambda: True)
+    runs.in_turn([0], runs.ROWS, SMALL, tmp_path / "screen.csv", lambda: True)
     assert not (tmp_path / "screen.csv").exists()
 
 

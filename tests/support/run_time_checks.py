@@ -1,7 +1,7 @@
-"""Checks every annotation of the package at run time, array shapes included.
+"""Run-time checks of annotations, array shapes included.
 
-`--jaxtyping-packages=habilis,run_time_checks.checked` (pyproject.toml) decorates every function and
-dataclass of the package as it is imported. Processes that tests start are not checked.
+`--jaxtyping-packages` (pyproject.toml) names the modules, of which every function and dataclass is
+decorated with `checked` as they are imported. Processes that tests start are not checked.
 """
 
 import ast

@@ -101,8 +101,8 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
 
     The first moments of a computation are its own trial: from the share that they did follows the
     time of the whole. Refusals come in these moments only, so none costs much. No share is exact,
-    so trials are made again as time goes by; a busy machine stalls for moments, so the very first
-    trial alone refuses nothing.
+    so trials are made again as time goes by. A busy machine stalls for moments, so early on it
+    takes two trials in a row to refuse.
 
     Args:
         horizon: that was asked for.
@@ -115,21 +115,20 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
         The function; it raises a `TooMuchError`.
     """
     began = time.monotonic()
-    next_trial, doubted = [min(_TRIAL, limits.seconds / 10)], list[float]()
+    next_trial, doubted = min(_TRIAL, limits.seconds / 10), False
 
     def watch(share: float) -> None:
+        nonlocal next_trial, doubted
         tell(share)
         elapsed = time.monotonic() - began
-        if not 0 < share < 1 or not next_trial[0] <= elapsed < _STARTED:
+        if not 0 < share < 1 or not next_trial <= elapsed < _STARTED:
             return
-        next_trial[0] = 2 * elapsed
+        next_trial = 2 * elapsed
         seconds = elapsed / share
-        if seconds > limits.seconds:
-            if elapsed < _STALL and not doubted:  # it may have waited for the processor
-                doubted.append(seconds)
-                return
+        fits = seconds <= limits.seconds
+        if not fits and (doubted or elapsed >= _STALL):
             fitting = min(int(steps * limits.seconds / seconds), horizon - 1)
             raise too_much(horizon, fitting, limits, takes(gib, seconds), estimated=True)
-        doubted.clear()
+        doubted = not fits
 
     return watch

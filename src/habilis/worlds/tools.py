@@ -24,7 +24,6 @@ Flags = Bool[np.ndarray, "*states"]
 
 
 @runtime_checkable
-@runtime_checkable
 class Tool(Protocol):
     """What a kind of tool must say of itself: a character, and three rules over arrays of cells.
 

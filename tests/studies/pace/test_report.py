@@ -93,7 +93,7 @@ def test_the_method_tells_of_prototypes_design_freeze_and_what_was_decided_after
         assert "Prototypes of this study existed before" in text
         assert "regularised rows included" in text
     text = full[1]
-    assert "Screening: 12 settings on 2 maps, 5 runs of each vanilla agent." in text
+    assert "Screening: 12 settings on 2 maps each, 5 runs of each vanilla agent." in text
     assert "frozen in a commit before any agent with intrinsic reward" in text
     assert "<li>The budget of the broom was doubled.</li>" in text
     assert "The list is missing (after.toml)" in bare[1]

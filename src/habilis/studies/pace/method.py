@@ -47,14 +47,17 @@ def _stage(rows: pl.DataFrame | None) -> str | None:
 
     Example:
         >>> _stage(pl.DataFrame({"setting": [1, 1, 2], "map": ["a", "b", "a"], "runs": [5, 5, 5]}))
-        '2 settings on 2 maps, 5 runs of each vanilla agent'
+        '2 settings on 1 to 2 maps each, 5 runs of each vanilla agent'
     """
     if rows is None:
         return None
-    settings, maps = (rows[name].n_unique() for name in ("setting", "map"))
+    maps: list[int] = rows.group_by("setting").agg(pl.col("map").n_unique())["map"].to_list()
     runs = " or ".join(str(n) for n in rows["runs"].unique().sort())
-    what, where = ("s" if count != 1 else "" for count in (settings, maps))
-    return f"{settings:,} setting{what} on {maps} map{where}, {runs} runs of each vanilla agent"
+    where = " to ".join(map(str, sorted({min(maps), max(maps)})))
+    what, each = ("" if count == "1" else "s" for count in (str(len(maps)), where))
+    return (
+        f"{len(maps):,} setting{what} on {where} map{each} each, {runs} runs of each vanilla agent"
+    )
 
 
 def _pair(number: int, pair: Pair) -> dict[str, Any]:
