@@ -1,4 +1,4 @@
-"""A tool of one's own: `habilis compare yard --tools examples/rake.py:Rake,broom --horizon 3`."""
+"""A custom tool: `habilis compare yard --tools examples/rake.py:Rake,broom --horizon 3`."""
 
 import numpy as np
 
@@ -6,10 +6,10 @@ import numpy as np
 class Rake:
     """Pulls an object that stands behind it, in line with the agent, when the agent backs away."""
 
-    character = "R"  # stands for it on a map
+    character = "R"  # represents it on a map
 
     def attached(self, agent, tool, thing):
-        return np.zeros(thing.shape, bool)  # never: the object comes along when pulled only
+        return np.zeros(thing.shape, bool)  # never: the object only moves when pulled
 
     def carry(self, agent, tool, thing, step):
         behind = thing - tool == tool - agent  # agent, rake and object in one straight line
