@@ -1,9 +1,9 @@
-"""PPO in one file, in the manner of CleanRL, with empowerment in the reward.
+"""Single-file PPO in the style of CleanRL, with empowerment in the reward.
 
     pip install ".[gymnasium]" torch
     python cleanrl_ppo.py --env-id habilis/Corridor-v0 --horizon 6 --beta 0.07
 
-It prints how long the last hundred episodes were, and what they were worth, twenty times.
+It prints the mean length and return of the last hundred episodes, twenty times.
 """
 
 import argparse
@@ -26,23 +26,25 @@ def parse_args() -> argparse.Namespace:
     say = parser.add_argument
     say("--env-id", default="habilis/Corridor-v0", help="the environment")
     say("--world", default=None, help="name, path or text of a map, for habilis/World-v0")
-    say("--max-steps", type=int, default=500, help="steps after which an episode is cut off")
-    say("--sensor", default="object", help="whose empowerment: state, object, agent or tool")
-    say("--horizon", type=int, default=6, help="of the empowerment")
-    say("--beta", type=float, default=0.07, help="its weight, in reward a bit")
-    say("--seed", type=int, default=1, help="of everything that is drawn")
+    say("--max-steps", type=int, default=500, help="steps after which an episode is truncated")
+    say(
+        "--sensor", default="object", help="sensor of the empowerment: state, object, agent or tool"
+    )
+    say("--horizon", type=int, default=6, help="horizon of the empowerment")
+    say("--beta", type=float, default=0.07, help="its weight, in reward per bit")
+    say("--seed", type=int, default=1, help="random seed")
     say("--total-timesteps", type=int, default=100_000, help="steps of all environments")
     say("--num-envs", type=int, default=16, help="environments that step at once")
-    say("--num-steps", type=int, default=32, help="steps of each between two updates")
-    say("--learning-rate", type=float, default=3e-3, help="of Adam, falling to 0")
+    say("--num-steps", type=int, default=32, help="steps per environment and update")
+    say("--learning-rate", type=float, default=3e-3, help="step size of Adam, annealed to 0")
     say("--gamma", type=float, default=0.95, help="discount")
     say("--gae-lambda", type=float, default=0.95, help="lambda of the advantages")
-    say("--num-minibatches", type=int, default=4, help="of an epoch")
-    say("--update-epochs", type=int, default=4, help="of an update")
-    say("--clip-coef", type=float, default=0.2, help="by how much the policy may change")
+    say("--num-minibatches", type=int, default=4, help="minibatches per epoch")
+    say("--update-epochs", type=int, default=4, help="epochs per update")
+    say("--clip-coef", type=float, default=0.2, help="clipping of the policy ratio")
     say("--ent-coef", type=float, default=0.01, help="weight of the entropy")
     say("--vf-coef", type=float, default=0.5, help="weight of the value's loss")
-    say("--max-grad-norm", type=float, default=0.5, help="of the gradient")
+    say("--max-grad-norm", type=float, default=0.5, help="maximum norm of the gradient")
     return parser.parse_args()
 
 
@@ -91,7 +93,7 @@ if __name__ == "__main__":
     agent = Agent(envs)
     optimizer = torch.optim.Adam(agent.parameters(), lr=args.learning_rate, eps=1e-5)
 
-    # What happened: T steps of N environments.
+    # Rollout storage: T steps of N environments.
     T, N = args.num_steps, args.num_envs
     obs = torch.zeros((T + 1, N, *envs.single_observation_space.shape))
     actions = torch.zeros((T, N), dtype=torch.long)
@@ -101,7 +103,7 @@ if __name__ == "__main__":
 
     first, _ = envs.reset(seed=args.seed)
     next_obs = torch.as_tensor(first, dtype=torch.float32)
-    over = torch.zeros(N, dtype=torch.bool)  # the next step only begins an episode
+    over = torch.zeros(N, dtype=torch.bool)  # the next step only resets
     updates = args.total_timesteps // (T * N)
 
     for update in range(updates):
@@ -121,8 +123,8 @@ if __name__ == "__main__":
             ended[t] = over
         obs[T] = next_obs
 
-        # Generalised advantages. The observation after an episode's last step is still its own
-        # (autoreset mode NextStep), so an episode that was cut off is worth what would have come.
+        # Generalised advantages. In autoreset mode NextStep the observation after an episode's last
+        # step is still its own, so a truncated episode bootstraps from its final value.
         with torch.no_grad():
             values = agent.value(obs)
             advantages = torch.zeros((T, N))
@@ -133,7 +135,7 @@ if __name__ == "__main__":
                 advantages[t] = running
             returns = advantages + values[:-1]
 
-        # Learn from all steps but those that only began an episode.
+        # Learn from all steps except resets.
         b_obs, b_actions, b_logprobs = obs[:-1][valid], actions[valid], logprobs[valid]
         b_advantages, b_returns = advantages[valid], returns[valid]
         for _ in range(args.update_epochs):

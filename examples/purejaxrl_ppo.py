@@ -1,9 +1,9 @@
-"""PPO in the manner of PureJaxRL: agent, environments and learning in one compiled program.
+"""PPO in the style of PureJaxRL: agent, environments and learning in one compiled program.
 
     pip install ".[learn,gymnasium]" gymnax six
     python purejaxrl_ppo.py --world corridor --horizon 6 --beta 0.07
 
-It prints how long the episodes were that ended in each tenth of the training.
+It prints the mean length of the episodes that ended in each tenth of the training.
 """
 
 import argparse
@@ -49,7 +49,7 @@ class Transition(NamedTuple):
 
 
 def make_train(env: Any, params: Any, updates: int) -> Any:
-    """From a key to the infos of all steps [updates, STEPS, ENVS], and the losses."""
+    """A function from a key to the infos of all steps [updates, STEPS, ENVS], and the losses."""
     network = ActorCritic(env.action_space(params).n)
     reset = jax.vmap(env.reset, in_axes=(0, None))
     step_env = jax.vmap(env.step, in_axes=(0, 0, 0, None))
@@ -131,11 +131,13 @@ def main() -> None:
         description=__doc__.split("\n")[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter
     )
     parser.add_argument("--world", default="corridor", help="name, path or text of a map")
-    parser.add_argument("--max-steps", type=int, default=500, help="of an episode")
-    parser.add_argument("--horizon", type=int, default=6, help="of object empowerment")
-    parser.add_argument("--beta", type=float, default=0.07, help="its weight, in reward a bit")
-    parser.add_argument("--total-timesteps", type=int, default=500_000, help="of all environments")
-    parser.add_argument("--seed", type=int, default=0, help="of everything that is drawn")
+    parser.add_argument("--max-steps", type=int, default=500, help="time limit of an episode")
+    parser.add_argument("--horizon", type=int, default=6, help="horizon of object empowerment")
+    parser.add_argument("--beta", type=float, default=0.07, help="its weight, in reward per bit")
+    parser.add_argument(
+        "--total-timesteps", type=int, default=500_000, help="steps of all environments"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="random seed")
     args = parser.parse_args()
 
     env = FunctionalEnv(args.world, observation="onehot", max_steps=args.max_steps)

@@ -3,8 +3,8 @@
     pip install ".[gymnasium]"
     python q_learning.py --beta 0.1
 
-What is observed, the cells of agent, tool and can, is the key of a dictionary of values. It prints
-the mean return of the last episodes while it learns, and in the end that of the best actions.
+The observation, the cells of agent, tool and can, is the key of a dictionary of values. It prints
+the mean return of recent episodes during learning, and at the end the return of the greedy policy.
 """
 
 import argparse
@@ -43,7 +43,7 @@ class QLearningAgent:
         self.q_values: defaultdict = defaultdict(lambda: np.zeros(env.action_space.n))
 
     def get_action(self, obs: np.ndarray) -> int:
-        """At random with probability epsilon, else the best one known."""
+        """Epsilon-greedy action."""
         if self.random.random() < self.epsilon:
             return int(self.random.integers(self.env.action_space.n))
         return self.best_action(obs)
@@ -54,7 +54,7 @@ class QLearningAgent:
     def update(
         self, obs: np.ndarray, action: int, reward: float, terminated: bool, next_obs: np.ndarray
     ) -> None:
-        """A step towards reward + discount * best value; a cut-off episode is not an end."""
+        """One step towards reward + discount * best value; truncation is not termination."""
         future = 0.0 if terminated else self.q_values[tuple(next_obs)].max()
         value = self.q_values[tuple(obs)]
         value[action] += self.lr * (reward + self.discount_factor * future - value[action])
@@ -68,15 +68,15 @@ def main() -> None:
         description=__doc__.split("\n")[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter
     )
     parser.add_argument("--world", default=WORLD, help="name, path or text of a map")
-    parser.add_argument("--episodes", type=int, default=2_000, help="to learn from")
-    parser.add_argument("--max-steps", type=int, default=200, help="of an episode")
+    parser.add_argument("--episodes", type=int, default=2_000, help="episodes of training")
+    parser.add_argument("--max-steps", type=int, default=200, help="time limit of an episode")
     parser.add_argument("--beta", type=float, default=0.1, help="weight of object empowerment")
-    parser.add_argument("--horizon", type=int, default=3, help="of that empowerment")
-    parser.add_argument("--seed", type=int, default=0, help="of everything that is drawn")
+    parser.add_argument("--horizon", type=int, default=3, help="horizon of that empowerment")
+    parser.add_argument("--seed", type=int, default=0, help="random seed")
     args = parser.parse_args()
 
     env = gymnasium.make("habilis/World-v0", world=args.world, max_steps=args.max_steps)
-    env = RecordEpisodeStatistics(env)  # inside of the bonus: what the world itself gave
+    env = RecordEpisodeStatistics(env)  # inside the bonus: the task's own reward
     env = habilis.EmpowermentReward(env, horizon=args.horizon, sensor="object", beta=args.beta)
     agent = QLearningAgent(
         env,
