@@ -10,15 +10,15 @@ import pytest
 from scipy.sparse import csr_array
 
 import habilis as hb
-from habilis.empowerment.bonus import Bonus
-from habilis.empowerment.futures import futures
+from habilis.analysis.data_frames import to_dataframe
+from habilis.analysis.futures import futures
 from habilis.empowerment.horizons import empowerment_by_horizon
-from habilis.empowerment.keeping import kept_empowerment
-from habilis.empowerment.lasting import persistence
-from habilis.empowerment.tables import to_dataframe
+from habilis.empowerment.tabular.persistence import persistence
 from habilis.envs.functional import FunctionalEnv
 from habilis.envs.table import TableEnv
 from habilis.envs.vector import TableVectorEnv
+from habilis.rewards.cached_tables import kept_empowerment
+from habilis.rewards.shaping import Bonus
 
 RING = hb.TabularMDP.deterministic([[1, 3], [2, 0], [3, 1], [0, 2]])
 WORLD = hb.World.parse("AP.CG\n.....\n")

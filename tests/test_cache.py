@@ -7,7 +7,7 @@ import pytest
 
 import habilis as hb
 from habilis.cache import cache_folder, fingerprint, kept
-from habilis.empowerment.keeping import kept_empowerment
+from habilis.rewards.cached_tables import kept_empowerment
 
 VALUES = np.linspace(0, 1, 7)
 

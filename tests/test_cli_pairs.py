@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import habilis as hb
+from habilis.analysis.pairs import pairs
 from habilis.cli import main
-from habilis.empowerment.pairs import pairs
 
 ROOM = "R = rake\nD = ball\nG = goal of C\nA.P..\n..CR.\n.#..D\n....G\n"
 

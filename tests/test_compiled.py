@@ -19,8 +19,8 @@ PACKAGE = Path(hb.__file__).parent
 MAIN = ["-m", "habilis.cli"]
 COMPUTE = """
 import habilis as hb
-from habilis.empowerment.keeping import kept_empowerment
-from habilis.empowerment.lasting import persistence
+from habilis.rewards.cached_tables import kept_empowerment
+from habilis.empowerment.tabular.persistence import persistence
 assert hb.__file__.startswith({place!r}), hb.__file__
 mdp = hb.tabulate(hb.World.parse("AP.CG\\n.....\\n"))
 print(*hb.empowerment(mdp, 2, "object")[:40].round(9))

@@ -15,13 +15,13 @@ from disks import content, mounted
 
 import habilis as hb
 from habilis import files
+from habilis.analysis.data_frames import TABLES, save_table, to_dataframe
+from habilis.analysis.landscape import Landscape
+from habilis.analysis.pairs import Pairs
 from habilis.cli import main
-from habilis.empowerment.landscape import Landscape
-from habilis.empowerment.pairs import Pairs
-from habilis.empowerment.tables import TABLES, save_table, to_dataframe
 from habilis.files import check_file, check_folder, save_whole, write_whole
-from habilis.worlds.films import _SAVERS, save_film
-from habilis.worlds.pictures import PICTURES, save_picture
+from habilis.worlds.pictures.figures import PICTURES, save_picture
+from habilis.worlds.pictures.video import _SAVERS, save_film
 
 WORLD = hb.World.parse("AP.CG\n.....\n")
 MDP = hb.tabulate(WORLD)

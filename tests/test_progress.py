@@ -9,14 +9,14 @@ import pytest
 
 import habilis as hb
 from habilis import progress
+from habilis.analysis.averages import compare
+from habilis.analysis.futures import futures
+from habilis.analysis.pairs import pairs
+from habilis.analysis.usefulness import usefulness
 from habilis.cli import main
-from habilis.empowerment.futures import futures
 from habilis.empowerment.horizons import empowerment_by_horizon
-from habilis.empowerment.lasting import persistence
 from habilis.empowerment.limits import Limits, watched
-from habilis.empowerment.measures import compare
-from habilis.empowerment.pairs import pairs
-from habilis.empowerment.usefulness import usefulness
+from habilis.empowerment.tabular.persistence import persistence
 from habilis.progress import progress_bar
 from habilis.worlds.reach import reachable
 from habilis.worlds.rules import Grid

@@ -14,8 +14,8 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from habilis.channels.capacity import Capacity, ConvergenceWarning, capacity
 from habilis.empowerment import empowerment
-from habilis.empowerment.capacity import Capacity, ConvergenceWarning, capacity
 from habilis.mdp import TabularMDP
 from habilis.worlds.check_tool import check_tool
 from habilis.worlds.plans import Plan, solve
@@ -24,14 +24,14 @@ from habilis.worlds.tools import Tool
 from habilis.worlds.world import World, load_world, world_names
 
 if TYPE_CHECKING:
-    from habilis.empowerment.landscape import Landscape as Landscape
-    from habilis.empowerment.landscape import landscape as landscape
-    from habilis.empowerment.landscape_picture import draw_landscapes as draw_landscapes
-    from habilis.empowerment.lasting import persistence as persistence
-    from habilis.empowerment.pairs import Pairs as Pairs
-    from habilis.empowerment.pairs import pairs as pairs
-    from habilis.empowerment.tables import save_table as save_table
-    from habilis.empowerment.tables import to_dataframe as to_dataframe
+    from habilis.analysis.data_frames import save_table as save_table
+    from habilis.analysis.data_frames import to_dataframe as to_dataframe
+    from habilis.analysis.landscape import Landscape as Landscape
+    from habilis.analysis.landscape import landscape as landscape
+    from habilis.analysis.landscape_picture import draw_landscapes as draw_landscapes
+    from habilis.analysis.pairs import Pairs as Pairs
+    from habilis.analysis.pairs import pairs as pairs
+    from habilis.empowerment.tabular.persistence import persistence as persistence
     from habilis.envs.reward import EmpowermentReward as EmpowermentReward
     from habilis.learning.algorithms import A2C as A2C
     from habilis.learning.algorithms import PPO as PPO
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from habilis.learning.presets import preset as preset
     from habilis.learning.train import train as train
     from habilis.studies.reproduce import reproduce as reproduce
-    from habilis.worlds.films import save_film as save_film
+    from habilis.worlds.pictures.video import save_film as save_film
 
 __version__ = "0.1.0"
 
@@ -72,15 +72,15 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
 ]
 
 _LAZY = {  # imported on first use: by name, the module, and the extra that it needs if any
-    "Landscape": ("habilis.empowerment.landscape", None),
-    "Pairs": ("habilis.empowerment.pairs", None),
-    "draw_landscapes": ("habilis.empowerment.landscape_picture", None),
-    "landscape": ("habilis.empowerment.landscape", None),
-    "pairs": ("habilis.empowerment.pairs", None),
-    "persistence": ("habilis.empowerment.lasting", None),
-    "save_film": ("habilis.worlds.films", None),
-    "save_table": ("habilis.empowerment.tables", None),
-    "to_dataframe": ("habilis.empowerment.tables", None),
+    "Landscape": ("habilis.analysis.landscape", None),
+    "Pairs": ("habilis.analysis.pairs", None),
+    "draw_landscapes": ("habilis.analysis.landscape_picture", None),
+    "landscape": ("habilis.analysis.landscape", None),
+    "pairs": ("habilis.analysis.pairs", None),
+    "persistence": ("habilis.empowerment.tabular.persistence", None),
+    "save_film": ("habilis.worlds.pictures.video", None),
+    "save_table": ("habilis.analysis.data_frames", None),
+    "to_dataframe": ("habilis.analysis.data_frames", None),
     "EmpowermentReward": ("habilis.envs.reward", "gymnasium"),
     **dict.fromkeys(
         ("A2C", "PPO", "QLearning", "SoftValueIteration"), ("habilis.learning.algorithms", "learn")

@@ -29,7 +29,7 @@ from habilis.worlds.reach import MAX_STATES, reachable
 from habilis.worlds.world import NO_TOOL, Cell, World, load_world, world_names
 
 if TYPE_CHECKING:
-    from habilis.empowerment.usefulness import Usefulness
+    from habilis.analysis.usefulness import Usefulness
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -75,7 +75,7 @@ def worlds(args: Args) -> int:
         return 0
     world = load_world(args.name, args.tool)
     if args.out is not None:
-        from habilis.worlds.pictures import save_picture
+        from habilis.worlds.pictures.figures import save_picture
 
         with progress_bar("drawing", shows_progress(args)):
             save(args.out, lambda path: save_picture(world, path))
@@ -89,7 +89,7 @@ def worlds(args: Args) -> int:
             told |= {"tools": [tool.name for tool in world.tools]}
             told |= {"objects": [thing.name for thing in world.objects]}
         return print_json(told)
-    from habilis.worlds.pictures import colored_text
+    from habilis.worlds.pictures.figures import colored_text
 
     for line in header:
         print(line)
@@ -117,7 +117,7 @@ def solve(args: Args) -> int:
 
 
 def empowerment(args: Args) -> int:
-    from habilis.empowerment.tables import save_table, to_dataframe
+    from habilis.analysis.data_frames import save_table, to_dataframe
 
     mdp = _table(args)
     values, gap = habilis.empowerment(
@@ -161,7 +161,7 @@ def _table(args: Args) -> habilis.TabularMDP:
         return habilis.tabulate(world, args.slip, max_states=_most(args), show_progress=show)
     if args.tool is not None:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
-    from habilis.gymnasium_tables import table_named
+    from habilis.bridges.gymnasium import table_named
 
     name = args.world.removeprefix(PREFIX)
     mdp = table_named(name, args.max_states, args.ignore, shows_progress(args))
@@ -179,7 +179,7 @@ def _options(args: Args) -> Any:
 
 
 def landscape(args: Args) -> int:
-    from habilis.empowerment.landscape import landscape as measure
+    from habilis.analysis.landscape import landscape as measure
 
     world = load_world(args.world, args.tool)
     found = measure(
@@ -224,9 +224,9 @@ def _where(world: World, kind: str, places: list[tuple[str, Cell]] | None) -> Wh
 
 
 def compare(args: Args) -> int:
-    from habilis.empowerment.measures import compare as measure
-    from habilis.empowerment.measures import ranking, with_each_tool
-    from habilis.empowerment.usefulness import usefulness
+    from habilis.analysis.averages import compare as measure
+    from habilis.analysis.averages import ranking, with_each_tool
+    from habilis.analysis.usefulness import usefulness
 
     if args.pairs:
         from habilis.cli_pairs import compare_pairs
@@ -297,8 +297,8 @@ def _verdict(tool: "Usefulness", tolerance: float) -> str:
 
 
 def futures(args: Args) -> int:
-    from habilis.empowerment.futures import futures as measure
-    from habilis.empowerment.futures_picture import futures_figure, sequence_text
+    from habilis.analysis.futures import futures as measure
+    from habilis.analysis.futures_picture import futures_figure, sequence_text
 
     world = load_world(args.world, args.tool)
     world = elsewhere(
@@ -323,7 +323,7 @@ def futures(args: Args) -> int:
         mdp, mdp.start, args.horizon, args.sensor, _actions(args.actions), **_options(args)
     )
     if args.out is not None:
-        from habilis.worlds.pictures import save_figure
+        from habilis.worlds.pictures.figures import save_figure
 
         with progress_bar("drawing", shows_progress(args)):
             figure = futures_figure(world, mdp, found, args.sensor)

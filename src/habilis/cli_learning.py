@@ -55,8 +55,8 @@ def train(args: Args) -> int:
 
 
 def watch(args: Args) -> int:
-    from habilis.worlds.films import check_video, save_gif, save_mp4
-    from habilis.worlds.pictures import colored_text
+    from habilis.worlds.pictures.figures import colored_text
+    from habilis.worlds.pictures.video import check_video, save_gif, save_mp4
     from habilis.worlds.table import placement
 
     if args.mp4:
@@ -108,7 +108,7 @@ def plot(args: Args) -> int:
     folder = import_from("habilis.learning.folder", "learn")
     curves = import_from("habilis.learning.curves", "learn")
     picture = import_from("habilis.learning.curves_picture", "learn")
-    from habilis.worlds.pictures import save_figure
+    from habilis.worlds.pictures.figures import save_figure
 
     for place in args.folders:
         if args.folders.count(place) > 1:

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from habilis.analysis.pairs import MEASURES, Pairs, pairs
 from habilis.cli_arguments import OPTIONS, PAIRS_HORIZON, Args, compared
 from habilis.cli_output import lower_bounds, print_json, save, shows_progress
-from habilis.empowerment.pairs import MEASURES, Pairs, pairs
 from habilis.progress import progress_bar
 from habilis.worlds.world import World, load_world
 

@@ -231,7 +231,7 @@ class TabularMDP:
             >>> lake.states, lake.is_stochastic, lake.actions
             (16, True, ('left', 'down', 'right', 'up'))
         """
-        from habilis.gymnasium_tables import table_of
+        from habilis.bridges.gymnasium import table_of
 
         return table_of(env, max_states, seed, key, ignore, state, factors, show_progress)
 

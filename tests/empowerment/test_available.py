@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from slow_channels import blahut_arimoto
 
 import habilis as hb
-from habilis.empowerment.futures import futures
+from habilis.analysis.futures import futures
+from habilis.analysis.influence import latency
 from habilis.empowerment.horizons import empowerment_by_horizon
-from habilis.empowerment.influence import latency
-from habilis.empowerment.lasting import persistence
+from habilis.empowerment.tabular.persistence import persistence
 from habilis.mdp import TabularMDP
 
 CLOSE = 3e-6

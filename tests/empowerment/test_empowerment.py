@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from habilis.empowerment import empowerment
-from habilis.empowerment.counting import count_backward, count_forward
+from habilis.empowerment.tabular.counting import count_backward, count_forward
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World

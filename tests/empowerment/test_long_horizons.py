@@ -9,17 +9,17 @@ from hypothesis import strategies as st
 from tables import one_step
 
 import habilis as hb
-from habilis.empowerment import deterministic
-from habilis.empowerment.columns import Columns, count_columns, count_every_horizon
-from habilis.empowerment.counting import count_backward, count_forward
-from habilis.empowerment.deterministic import Question, counts, counts_by_horizon
-from habilis.empowerment.eventual import same_horizon
-from habilis.empowerment.futures import futures
+from habilis.analysis.futures import futures
+from habilis.analysis.influence import influence_range, latency
 from habilis.empowerment.horizons import empowerment_by_horizon
-from habilis.empowerment.influence import influence_range, latency
 from habilis.empowerment.limits import Limits, TooMuchError, watched
-from habilis.empowerment.spreading import Graph
-from habilis.empowerment.windows import count_in_window, window_of
+from habilis.empowerment.tabular import deterministic
+from habilis.empowerment.tabular.columns import Columns, count_columns, count_every_horizon
+from habilis.empowerment.tabular.counting import count_backward, count_forward
+from habilis.empowerment.tabular.deterministic import Question, counts, counts_by_horizon
+from habilis.empowerment.tabular.eventual import same_horizon
+from habilis.empowerment.tabular.spreading import Graph
+from habilis.empowerment.tabular.windows import count_in_window, window_of
 
 HORIZONS = st.one_of(st.integers(0, 40), st.sampled_from([10**6, 10**9 - 1, 10**9, 2**31 - 1]))
 

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import habilis as hb
-from habilis.empowerment import blocks, deterministic, windows
-from habilis.empowerment.counting import count_backward, count_forward
-from habilis.empowerment.windows import Window, count_in_window, window_of
+from habilis.empowerment.tabular import blocks, deterministic, windows
+from habilis.empowerment.tabular.counting import count_backward, count_forward
+from habilis.empowerment.tabular.windows import Window, count_in_window, window_of
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World
 

@@ -17,10 +17,10 @@ from scipy.sparse import csr_array
 from slow_channels import blahut_arimoto, channel_of_sequences
 
 import habilis as hb
-from habilis.empowerment import effort
-from habilis.empowerment.capacity import ConvergenceWarning
-from habilis.empowerment.effort import estimate
-from habilis.empowerment.open_loop import exact, problem_of
+from habilis.channels.capacity import ConvergenceWarning
+from habilis.empowerment.tabular import cost as effort
+from habilis.empowerment.tabular.cost import estimate
+from habilis.empowerment.tabular.open_loop import exact, problem_of
 from habilis.mdp import TabularMDP
 
 CLOSE = 3e-6  # our gap and that of the slow capacity
@@ -282,7 +282,7 @@ def test_an_endless_horizon_is_refused_at_once():
 
 
 def test_memory_that_was_estimated_too_low_is_not_exceeded_either(monkeypatch: pytest.MonkeyPatch):
-    from habilis.empowerment import stochastic
+    from habilis.empowerment.tabular import stochastic
 
     monkeypatch.setattr(stochastic, "check_effort", lambda *asked: None)
     with pytest.raises(ValueError, match=r"horizon 9 turns out .* horizon that fits is [3-6]:"):
@@ -316,7 +316,7 @@ def test_what_is_compiled_on_first_use_is_no_part_of_the_estimate(tmp_path: Path
 
 
 def test_what_else_runs_makes_no_estimate_larger(monkeypatch: pytest.MonkeyPatch):
-    from habilis.empowerment import open_loop
+    from habilis.empowerment.tabular import open_loop
 
     def interrupted(*asked: Any) -> Any:
         time.sleep(1)

@@ -17,10 +17,10 @@ from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordVectorSta
 from minigrid.wrappers import ImgObsWrapper
 
 import habilis as hb
+from habilis.bridges.gymnasium.access import access
+from habilis.bridges.gymnasium.enumeration import enumerate_states
+from habilis.bridges.gymnasium.snapshots import Identity
 from habilis.envs import EmpowermentReward, VectorEmpowermentReward, WorldEnv, WorldVectorEnv
-from habilis.gymnasium_tables.access import access
-from habilis.gymnasium_tables.enumeration import enumerate_states
-from habilis.gymnasium_tables.snapshots import Identity
 from habilis.learning import intrinsic
 from habilis.learning.task import make_task
 
@@ -332,7 +332,7 @@ def test_it_passes_gymnasiums_own_check_and_is_part_of_the_spec():
 def test_values_come_from_the_disk_the_second_time(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     first = EmpowermentReward(WorldEnv(TEXT), **TOE)
-    keeping = import_module("habilis.empowerment.keeping")
+    keeping = import_module("habilis.rewards.cached_tables")
     monkeypatch.setattr(keeping, "empowerment", None)  # not computed again
     second = EmpowermentReward(WorldEnv(hb.World.parse(TEXT, "another name")), **TOE)
     assert np.array_equal(first._places.values, second._places.values)

@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 import habilis as hb
 from habilis.envs import EmpowermentReward, WorldEnv, WorldVectorEnv
 from habilis.envs.functional import FunctionalEnv
-from habilis.worlds.pictures import frame
+from habilis.worlds.pictures.figures import frame
 
 KINDS = ("factors", "onehot", "grid", "rgb")
 SLIPS = "P = picker slip 0.25\nR = rake slip 0.5\n.AP.CG\n......\nR.....\n"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import habilis as hb
-from habilis.worlds.pictures import frame
+from habilis.worlds.pictures.figures import frame
 from habilis.worlds.table import placement
 
 PLAY = """

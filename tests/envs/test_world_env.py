@@ -14,7 +14,7 @@ from gymnasium.utils.env_checker import check_env
 
 import habilis as hb
 from habilis.envs import WorldEnv
-from habilis.worlds.pictures import frame
+from habilis.worlds.pictures.figures import frame
 from habilis.worlds.table import placement
 
 KINDS = ("factors", "onehot", "grid", "rgb")

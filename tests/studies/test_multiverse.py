@@ -8,7 +8,7 @@ import polars as pl
 import pytest
 
 import habilis as hb
-from habilis.empowerment.measures import average_empowerment
+from habilis.analysis.averages import average_empowerment
 from habilis.studies.multiverse import claims
 from habilis.studies.multiverse.optimum import return_of_the_best_policy
 from habilis.studies.multiverse.report import settings_count, write_page, write_study

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from habilis.analysis.landscape import landscape
 from habilis.empowerment import empowerment
-from habilis.empowerment.landscape import landscape
 from habilis.studies.measured import measured
 from habilis.studies.scenes import Scene
 from habilis.studies.stated import Stated, load_stated, parse_stated, stated_names

@@ -8,9 +8,9 @@ import pytest
 from studio import page, printing_rake, scene, studio
 
 import habilis as hb
-from habilis.empowerment.futures import futures
-from habilis.empowerment.measures import compare
-from habilis.empowerment.usefulness import usefulness
+from habilis.analysis.averages import compare
+from habilis.analysis.futures import futures
+from habilis.analysis.usefulness import usefulness
 from habilis.studio.drawn import world_of
 from habilis.worlds.tools import TOOLS
 

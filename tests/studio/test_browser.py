@@ -38,9 +38,9 @@ from studio_page import (
 )
 from studio_picture import take
 
-from habilis.empowerment.futures import futures
-from habilis.empowerment.landscape import landscape
-from habilis.empowerment.measures import compare
+from habilis.analysis.averages import compare
+from habilis.analysis.futures import futures
+from habilis.analysis.landscape import landscape
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.tools import TOOLS

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 import habilis as hb
-from habilis.empowerment.measures import compare, compared_states
+from habilis.analysis.averages import compare, compared_states
 from habilis.studio import work
 from habilis.studio.chance import drawn
 from habilis.studio.estimating import Estimate, verdicts

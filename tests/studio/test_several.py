@@ -7,7 +7,7 @@ import pytest
 from studio import scene
 
 import habilis as hb
-from habilis.empowerment.measures import compare
+from habilis.analysis.averages import compare
 from habilis.studio.drawn import described, world_of
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import reachable

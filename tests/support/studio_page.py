@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Page, expect
 
-from habilis.empowerment.landscape import landscape
+from habilis.analysis.landscape import landscape
 from habilis.empowerment.sensors import Sensor
 from habilis.worlds.world import Cell, World
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import habilis as hb
-from habilis.worlds.shapes import Shape
+from habilis.worlds.pictures.shapes import Shape
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import TOOLS, Broom, Picker, Tool
 from habilis.worlds.world import World

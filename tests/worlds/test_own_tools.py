@@ -15,15 +15,15 @@ import pytest
 from before_after import becomes, stays
 
 import habilis as hb
+from habilis.analysis.averages import average_empowerment, compare
+from habilis.analysis.futures import futures
+from habilis.analysis.usefulness import usefulness
 from habilis.cli import main
-from habilis.empowerment.futures import futures
-from habilis.empowerment.measures import average_empowerment, compare
-from habilis.empowerment.usefulness import usefulness
 from habilis.worlds import tools
 from habilis.worlds.characters import BINDS
 from habilis.worlds.own_tools import tool_named
-from habilis.worlds.pictures import colored_text, frame
-from habilis.worlds.shapes import SHAPES, Shape
+from habilis.worlds.pictures.figures import colored_text, frame
+from habilis.worlds.pictures.shapes import SHAPES, Shape
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Picker
 from habilis.worlds.world import World, load_world
@@ -379,7 +379,7 @@ def test_tools_that_go_by_one_name_are_not_compared():
 
 
 def test_a_tool_is_drawn_as_it_says_or_as_any_tool(folder):
-    red = "from habilis.worlds.shapes import Shape\n"
+    red = "from habilis.worlds.pictures.shapes import Shape\n"
     red += "Rake.drawing = (Shape(((0, 0.5), (1, 0.5), (1, 1), (0, 1)), '#ff0000'),)\n"
     room = World.parse("....G\n.AP..\n....C\n")
     plain, own = (

@@ -14,8 +14,8 @@ from before_after import STEPS, becomes, cell_of, stays
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from habilis.empowerment.measures import average_empowerment
-from habilis.empowerment.pairs import pairs
+from habilis.analysis.averages import average_empowerment
+from habilis.analysis.pairs import pairs
 from habilis.studio.drawn import described
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Reading

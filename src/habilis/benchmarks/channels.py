@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.benchmarks import Result, best_seconds
-from habilis.empowerment.capacity import capacity
+from habilis.channels.capacity import capacity
 
 _GAP = 1e-6  # bits
 _SIZES = ((64, 64), (1024, 256))

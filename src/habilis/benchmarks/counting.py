@@ -4,8 +4,8 @@ import numpy as np
 
 from habilis.benchmarks import Result, best_seconds
 from habilis.empowerment import empowerment
-from habilis.empowerment.blocks import in_blocks
-from habilis.empowerment.counting import unite
+from habilis.empowerment.tabular.blocks import in_blocks
+from habilis.empowerment.tabular.counting import unite
 from habilis.mdp import TabularMDP
 from habilis.processors import processors
 from habilis.worlds.table import tabulate

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from habilis.analysis.averages import compare
+from habilis.analysis.pairs import pairs
 from habilis.benchmarks import Result
 from habilis.benchmarks.apart import alternating
-from habilis.empowerment.measures import compare
-from habilis.empowerment.pairs import pairs
 from habilis.worlds.world import World
 
 _HORIZON = 12

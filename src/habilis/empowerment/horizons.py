@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
+from habilis.empowerment.api import Options, bits_of, empowerment, question_of
 from habilis.empowerment.arguments import chosen_actions, chosen_states, per_bit, whole_number
-from habilis.empowerment.core import Options, bits_of, empowerment, question_of
 from habilis.empowerment.limits import (
     MAX_GIB,
     MAX_SECONDS,
@@ -24,7 +24,7 @@ from habilis.processors import processors
 from habilis.progress import in_percent, progress_bar
 
 if TYPE_CHECKING:
-    from habilis.empowerment.deterministic import Question
+    from habilis.empowerment.tabular.deterministic import Question
 
 
 def empowerment_by_horizon(
@@ -59,7 +59,7 @@ def empowerment_by_horizon(
                [1.   ],
                [1.585]])
     """
-    from habilis.empowerment.deterministic import counts_by_horizon
+    from habilis.empowerment.tabular.deterministic import counts_by_horizon
 
     return _counted(counts_by_horizon, mdp, horizon, sensor, actions, states, options)
 
@@ -76,7 +76,7 @@ def empowerment_until_repeated(
 
     For those who ask when something happens first: of a long horizon these are few.
     """
-    from habilis.empowerment.deterministic import counts_until_repeated
+    from habilis.empowerment.tabular.deterministic import counts_until_repeated
 
     def rows(question: "Question") -> Int64[np.ndarray, "k n"]:
         return counts_until_repeated(question)[0]

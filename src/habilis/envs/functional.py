@@ -14,8 +14,6 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Int8, PRNGKeyArray
 from numpy.typing import ArrayLike
 
-from habilis.empowerment.bonus import Bonus
-from habilis.empowerment.keeping import kept_empowerment
 from habilis.empowerment.sensors import Sensor
 from habilis.envs.observations import Labels, Marks, cells, grid, one_hot, ranked
 from habilis.envs.params import Empowerment, Outcomes, Params, State
@@ -34,6 +32,8 @@ from habilis.envs.steps import (
 from habilis.envs.table import MAX_STEPS, check_episode
 from habilis.envs.world import as_world
 from habilis.mdp import TabularMDP
+from habilis.rewards.cached_tables import kept_empowerment
+from habilis.rewards.shaping import Bonus
 from habilis.worlds.chance import Chance
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool

@@ -15,7 +15,7 @@ from habilis.worlds.rules import NONE
 from habilis.worlds.world import World
 
 if TYPE_CHECKING:
-    from habilis.worlds.tiles import Tiles
+    from habilis.worlds.pictures.tiles import Tiles
 
 KINDS = ("factors", "onehot", "grid", "rgb")
 CELL = 16
@@ -165,7 +165,7 @@ def _pictures(mdp: TabularMDP, world: World) -> Observation:
 
 def frames(mdp: TabularMDP, world: World, cell: int) -> Show:
     """Pictures of states, uint8 `[cell * rows, cell * columns, 3]`, of several with N in front."""
-    from habilis.worlds.tiles import Tiles
+    from habilis.worlds.pictures.tiles import Tiles
 
     names = ["agent"], tool_factors(world), object_factors(world), [HELD] * (HELD in mdp.factors)
     each = [tuple(mdp.factors[name] for name in group) for group in names]

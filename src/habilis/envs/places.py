@@ -7,15 +7,15 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
+from habilis.bridges.gymnasium.enumeration import Mark, action_count
+from habilis.bridges.gymnasium.indexed import Indexed
+from habilis.bridges.gymnasium.keeping import kept_states
+from habilis.bridges.gymnasium.snapshots import Identity, unwrapped
+from habilis.bridges.gymnasium.tables import check_environment, indexed, is_indexed
+from habilis.bridges.gymnasium.transition_dict import has_table
+from habilis.bridges.gymnasium.verification import step_changers
 from habilis.cache import fingerprint
 from habilis.envs.table import TableEnv
-from habilis.gymnasium_tables.enumeration import Mark, action_count
-from habilis.gymnasium_tables.indexed import Indexed
-from habilis.gymnasium_tables.keeping import kept_states
-from habilis.gymnasium_tables.snapshots import Identity, unwrapped
-from habilis.gymnasium_tables.tables import check_environment, indexed, is_indexed
-from habilis.gymnasium_tables.transition_dict import has_table
-from habilis.gymnasium_tables.verification import step_changers
 from habilis.mdp import TabularMDP
 
 Measure = Callable[[TabularMDP], Float64[np.ndarray, "S"]]

@@ -12,13 +12,13 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv, VectorWrap
 from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
-from habilis.empowerment.bonus import Bonus, regularised
-from habilis.empowerment.keeping import kept_empowerment
+from habilis.bridges.gymnasium.snapshots import Identity, StateFunctions
 from habilis.empowerment.sensors import Sensor
 from habilis.envs.places import Measure, Places, Position, places_of, same_table
 from habilis.envs.vector import Stepped, TableVectorEnv
-from habilis.gymnasium_tables.snapshots import Identity, StateFunctions
 from habilis.mdp import TabularMDP
+from habilis.rewards.cached_tables import kept_empowerment
+from habilis.rewards.shaping import Bonus, regularised
 
 EXTRINSIC, EMPOWERMENT = "extrinsic_reward", "empowerment"
 """What `info` says: the environment's own reward, and the bits of the state that was reached."""

@@ -6,10 +6,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Int8, Int32, PRNGKeyArray
 
-from habilis.empowerment.bonus import regularised
 from habilis.envs.params import Params, State
 from habilis.envs.reward import EMPOWERMENT, EXTRINSIC
 from habilis.envs.table import ACTION_MASK
+from habilis.rewards.shaping import regularised
 
 Info = dict[str, Any]
 

@@ -11,13 +11,13 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from jaxtyping import Shaped, UInt8
 
-from habilis.empowerment.core import Options
-from habilis.empowerment.keeping import kept_empowerment
+from habilis.empowerment.api import Options
 from habilis.envs.observations import Observation, Show, frames, observation
 from habilis.envs.screen import Screen
 from habilis.envs.table import MAX_STEPS, TableEnv
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
+from habilis.rewards.cached_tables import kept_empowerment
 from habilis.worlds.chance import Chance
 from habilis.worlds.characters import AGENT, GOAL, OBJECT
 from habilis.worlds.table import placement, tabulate
@@ -256,7 +256,7 @@ class Scene:
         """The map in the colours of a terminal, two characters a cell."""
         from rich.console import Console
 
-        from habilis.worlds.pictures import colored_text
+        from habilis.worlds.pictures.figures import colored_text
 
         terminal = Console(
             file=io.StringIO(), force_terminal=True, color_system="truecolor", highlight=False

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from habilis.checks import as_in, at_least, check_types, one_of, setting, share
-from habilis.empowerment.bonus import Bonus
 from habilis.learning.algorithms import A2C, ALGORITHMS, Algorithm, name_of
+from habilis.rewards.shaping import Bonus
 
 NO_INTRINSIC = "none"
 COUNT, DISTILLATION = "count", "rnd"

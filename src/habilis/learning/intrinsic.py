@@ -9,14 +9,14 @@ import optax
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.empowerment import empowerment
-from habilis.empowerment.bonus import regularised
 from habilis.empowerment.combined import combined, terms_of
-from habilis.empowerment.keeping import kept_empowerment
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Numbers
 from habilis.learning.task import Task
 from habilis.mdp import TabularMDP
+from habilis.rewards.cached_tables import kept_empowerment
+from habilis.rewards.shaping import regularised
 
 _FEATURES, _WIDTH = 16, 32  # of the networks that are distilled
 _RATE = 1e-3  # at which the one follows the other

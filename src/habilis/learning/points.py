@@ -8,13 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from habilis.empowerment.bonus import beta_after
 from habilis.learning import intrinsic
 from habilis.learning.algorithms import A2C, PPO
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Lane, Program, Settings
 from habilis.learning.runs import Point
 from habilis.learning.task import Task
+from habilis.rewards.shaping import beta_after
 
 EPISODES = 100
 """Over how many of the last episodes return and length are averaged."""

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
-from habilis.empowerment.landscape_picture import draw_landscapes
+from habilis.analysis.landscape_picture import draw_landscapes
 from habilis.learning.curves import SMOOTHING
 from habilis.learning.runs import Run
 from habilis.studies.axes import (
@@ -27,7 +27,7 @@ from habilis.studies.curves import (
 )
 from habilis.studies.scenes import pair
 from habilis.studies.tables import Result
-from habilis.worlds.pictures import draw_world
+from habilis.worlds.pictures.figures import draw_world
 from habilis.worlds.rules import ACTIONS
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import World

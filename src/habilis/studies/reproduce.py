@@ -27,7 +27,7 @@ from habilis.studies.report import write_report
 from habilis.studies.settings import FULL, QUICK, row_config
 from habilis.studies.statements import stated_relations
 from habilis.studies.tables import Result, table
-from habilis.worlds.pictures import save_figure, save_picture
+from habilis.worlds.pictures.figures import save_figure, save_picture
 from habilis.worlds.world import load_world
 
 MARK = "numbers.json"

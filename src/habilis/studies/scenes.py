@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64, Int32, Int64
 
-from habilis.empowerment.core import empowerment
-from habilis.empowerment.landscape import Landscape, landscape
-from habilis.empowerment.measures import compared_states
+from habilis.analysis.averages import compared_states
+from habilis.analysis.landscape import Landscape, landscape
+from habilis.empowerment.api import empowerment
 from habilis.mdp import TabularMDP
 from habilis.studies.published import FIRST_WORLD, SECOND_WORLD
 from habilis.worlds.moving import free_cells

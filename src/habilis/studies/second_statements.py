@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from habilis.analysis.averages import compared_states
 from habilis.empowerment import empowerment
-from habilis.empowerment.measures import compared_states
 from habilis.studies.relations import Relation
 from habilis.studies.scenes import Pair
 

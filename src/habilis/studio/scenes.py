@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from habilis.empowerment.measures import held
+from habilis.analysis.averages import held
 from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.studio.drawn import world_of
 from habilis.studio.fields import cell, checked, number, one_of, text

@@ -31,8 +31,8 @@ from habilis.studio.offered import offered
 from habilis.studio.security import Access, Guard
 from habilis.studio.training import Trainings
 from habilis.worlds.own_tools import tool_named
+from habilis.worlds.pictures.shapes import SHAPES
 from habilis.worlds.rules import ACTIONS, DROP_NAME
-from habilis.worlds.shapes import SHAPES
 from habilis.worlds.things import OBJECTS
 from habilis.worlds.tools import TOOLS, drawing_of
 from habilis.worlds.world import NO_TOOL, load_world, world_names

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from habilis.analysis.averages import NOTHING, compared_states
+from habilis.analysis.futures import futures
+from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.arguments import chosen_actions
-from habilis.empowerment.beliefs import TooManyBeliefsError
-from habilis.empowerment.core import Options, empowerment
-from habilis.empowerment.effort import check_effort, most_entries
-from habilis.empowerment.futures import futures
 from habilis.empowerment.limits import Limits, TooMuchError, too_much
-from habilis.empowerment.measures import NOTHING, compared_states
-from habilis.empowerment.open_loop import Problem, exact, problem_of
+from habilis.empowerment.tabular.beliefs import TooManyBeliefsError
+from habilis.empowerment.tabular.cost import check_effort, most_entries
+from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
 from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.studio.chance import drawn
 from habilis.studio.limits import DRAWN, FEWEST, GIB, SECONDS

@@ -11,8 +11,8 @@ import numpy as np
 
 from habilis.worlds.answers import Method, Placements, ask, described, refusal
 from habilis.worlds.own_tools import as_tool
+from habilis.worlds.pictures.shapes import Drawing, Shape
 from habilis.worlds.rules import Grid
-from habilis.worlds.shapes import Drawing, Shape
 from habilis.worlds.tools import Cells, Tool, drawing_of
 from habilis.worlds.world import World
 

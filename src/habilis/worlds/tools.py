@@ -17,7 +17,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Integer
 
-from habilis.worlds.shapes import SHAPES, Drawing
+from habilis.worlds.pictures.shapes import SHAPES, Drawing
 
 Cells = Integer[np.ndarray, "*states"]
 Flags = Bool[np.ndarray, "*states"]

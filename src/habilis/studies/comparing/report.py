@@ -12,7 +12,7 @@ from habilis.learning.folder import saving
 from habilis.studies.comparing.analysis import Comparison, comparisons, sentences, summary
 from habilis.studies.comparing.study import HORIZON, QUICK, Budget, Study
 from habilis.studies.page import inlined, render
-from habilis.worlds.pictures import save_figure
+from habilis.worlds.pictures.figures import save_figure
 
 PAGE = "report.html"
 

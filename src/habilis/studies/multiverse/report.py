@@ -17,7 +17,7 @@ from habilis.studies.multiverse.settings import (
 )
 from habilis.studies.multiverse.study import Study, aggregate, paper_curves
 from habilis.studies.page import inlined, render
-from habilis.worlds.pictures import save_figure
+from habilis.worlds.pictures.figures import save_figure
 
 
 def write_study(study: Study, folder: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
-from habilis.empowerment.core import empowerment
+from habilis.empowerment.api import empowerment
 from habilis.learning.convergence import MARGIN
 from habilis.learning.intervals import (
     bootstrap_interval,

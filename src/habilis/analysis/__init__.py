@@ -1,0 +1,1 @@
+"""Measures made of empowerment: averages, landscapes, pairs, influence, futures; their pictures."""

@@ -1,0 +1,252 @@
+"""Which tool for which object: every pair of them, alone in the same world."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Unpack
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from habilis.analysis.averages import compared_states, held, with_each_tool
+from habilis.analysis.influence import (
+    certain,
+    distances,
+    fails,
+    first_above_nothing,
+    furthest,
+    share,
+)
+from habilis.empowerment.api import Options
+from habilis.empowerment.arguments import at_least_one, per_bit
+from habilis.empowerment.horizons import empowerment_by_horizon
+from habilis.empowerment.tabular.persistence import persistence
+from habilis.files import save_whole, suffix_of
+from habilis.progress import progress_bar
+from habilis.worlds.table import tabulate
+from habilis.worlds.tools import Tool
+from habilis.worlds.world import World
+
+if TYPE_CHECKING:
+    import polars as pl
+    from matplotlib.figure import Figure
+
+Table = Float64[np.ndarray, "tools objects"]
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """What an agent with each tool could do to each object.
+
+    A pair is the world with that tool and that object alone. Its averages, and all that is said
+    of it here, go over all placements with the tool in hand or, for "none", over all placements.
+
+    Attributes:
+        tools: names of the T rows; "none" is the bare agent.
+        objects: names of the O columns.
+        averages: float64[H, T, O], the average object empowerment for h = 1, 2, ... H.
+        range: int64[T, O], from how many cells away there is any influence within H actions; 0
+            where there is none.
+        latency: float64[T, O], the least number of actions with which there is any, from where it
+            takes fewest; infinity where none up to H has any.
+        median_latency: float64[T, O], the median over placements of that number.
+        persistence: float64[T, O], the average over placements of what can be reached again and
+            again, nothing failing.
+        reliability: float64[T, O], the average with slip over the average without, at H; 1 where
+            nothing fails, NaN where there is nothing to lose.
+        unit: "bits" or "nats".
+        title: what was measured, as a picture says it.
+    """
+
+    tools: tuple[str, ...]
+    objects: tuple[str, ...]
+    averages: Float64[np.ndarray, "horizons tools objects"]
+    range: Int64[np.ndarray, "tools objects"]
+    latency: Table
+    median_latency: Table
+    persistence: Table
+    reliability: Table
+    unit: str = "bits"
+    title: str = ""
+
+    @property
+    def horizon(self) -> int:
+        """H, the largest number of actions."""
+        return len(self.averages)
+
+    def draw(self) -> "Figure":
+        """Draws the matrix at H, and beside it the averages over h, a panel for each object.
+
+        Returns:
+            A figure of its own, which `savefig` saves.
+        """
+        from habilis.analysis.pairs_picture import pairs_figure
+
+        return pairs_figure(self)
+
+    def to_dataframe(self) -> "pl.DataFrame":
+        """One row for each tool, object and h, with the average and what else is said of the pair.
+
+        Returns:
+            A Polars data frame; null where there is no value, be it infinity or NaN.
+        """
+        import polars as pl
+
+        tool, object, horizon = np.indices(self.averages.transpose(1, 2, 0).shape).reshape(3, -1)
+        columns = {
+            "tool": np.array(self.tools)[tool],
+            "object": np.array(self.objects)[object],
+            "horizon": horizon + 1,
+            self.unit: self.averages[horizon, tool, object],
+        }
+        columns |= {name: getattr(self, name)[tool, object] for name in MEASURES}
+        kinds = pl.selectors.float()
+        return pl.DataFrame(columns).with_columns(
+            pl.when(kinds.is_finite()).then(kinds).otherwise(None)
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Writes the picture, or the values, by the file's suffix.
+
+        Args:
+            path: ends with .png, .svg or .pdf for the picture; with .csv, .parquet or .npz for
+                the columns of `to_dataframe`; or with .npy for the averages as they are,
+                float64[H, T, O].
+
+        Raises:
+            ValueError: another suffix, or the table cannot be written; nothing is written.
+        """
+        from habilis.analysis.data_frames import TABLES, save_table, write_array
+        from habilis.worlds.pictures.figures import PICTURES, save_figure
+
+        suffix = suffix_of(path, [*PICTURES, *TABLES])
+        if suffix in PICTURES:
+            save_figure(self.draw(), path)
+        elif suffix == ".npy":
+            save_whole(path, lambda file: write_array(self.averages, file))
+        else:
+            save_table(self.to_dataframe(), path)
+
+    def _repr_png_(self) -> bytes:
+        """The picture, for notebooks."""
+        from io import BytesIO
+
+        picture = BytesIO()
+        self.draw().savefig(picture, format="png", dpi="figure")
+        return picture.getvalue()
+
+
+MEASURES = ("range", "latency", "median_latency", "persistence", "reliability")
+"""What is said of a pair besides its averages, by the names of the attributes."""
+
+
+def pairs(
+    world: World,
+    horizon: int,
+    tools: Sequence[str | Tool | type] | None = None,
+    objects: Sequence[str] | None = None,
+    slip: float = 0.0,
+    **options: Unpack[Options],
+) -> Pairs:
+    r"""Average object empowerment of an agent with each tool over each object, and how it comes.
+
+    Of each pair, which is the world with that tool and that object alone, it also has range,
+    latency, persistence and reliability; see `influence_range`, `latency`, `persistence` and
+    `reliability` for what they are. A tool that could be put down on the map is held here.
+
+    Args:
+        world: the map.
+        horizon: H, the largest number of actions, from 1 up.
+        tools: names of the world's tools, or of others, or tools of one's own; "none" is the bare
+            agent. By default the world's own and "none".
+        objects: names of the world's objects; by default all.
+        slip: as in `tabulate`; tools that may fail do so besides.
+        **options: of `empowerment`, such as show_progress=True.
+
+    Returns:
+        The values of all pairs.
+
+    Raises:
+        ValueError: no tools or objects, an unknown one, two of one name, a map that has no place
+            for one, or as in `empowerment`.
+
+    Example:
+        >>> room = World.parse("D = ball\nG = goal of C\nA.P.\n..C.\n.D..\n...G")
+        >>> found = pairs(room, horizon=2)
+        >>> found.tools, found.objects
+        (('picker', 'none'), ('can', 'ball'))
+        >>> found.averages[-1].round(2)
+        array([[0.81, 0.79],
+               [0.41, 0.37]])
+    """
+    horizon = at_least_one("horizon", horizon)
+    rows = with_each_tool(world, tools)
+    columns = tuple(dict.fromkeys(_object_names(world) if objects is None else objects))
+    if not columns:
+        raise ValueError(f"no objects; name some of {', '.join(_object_names(world))}")
+    alone = {
+        (tool, object): held(armed.with_object(object))
+        for tool, armed in rows.items()
+        for object in columns
+    }
+    measured: dict[object, _Pair] = {}
+    with progress_bar("pairs", options.get("show_progress", False)) as tell:
+        for done, pair in enumerate(alone.values()):
+            tell(done, len(alone))
+            if (key := _dynamics(pair)) not in measured:
+                measured[key] = _measured(pair, horizon, slip, options)
+    bounds = "lower bounds on " if options.get("method") == "sampled" else ""
+    found = [[measured[_dynamics(alone[tool, object])] for object in columns] for tool in rows]
+    values = {
+        name: np.array([[getattr(one, name) for one in row] for row in found]) for name in MEASURES
+    }
+    return Pairs(
+        tools=tuple(rows),
+        objects=columns,
+        averages=np.array([[one.averages for one in row] for row in found]).transpose(2, 0, 1),
+        **values,
+        unit=options.get("unit", "bits"),
+        title=f"{world.name}: {bounds}average object empowerment",
+    )
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """What is found of one pair; see `Pairs`."""
+
+    averages: Float64[np.ndarray, "horizons"]
+    range: int
+    latency: float
+    median_latency: float
+    persistence: float
+    reliability: float
+
+
+def _measured(pair: World, horizon: int, slip: float, options: Options) -> _Pair:
+    show = options.get("show_progress", False)
+    mdp = tabulate(certain(pair), show_progress=show)
+    states = np.flatnonzero(compared_states(mdp))
+    sure = bits = empowerment_by_horizon(mdp, horizon, "object", states=states, **options)
+    if fails(pair, slip):  # the same states, and so in the same places
+        noisy = tabulate(pair, slip, show_progress=show)
+        bits = empowerment_by_horizon(noisy, horizon, "object", states=states, **options)
+    least = first_above_nothing(bits)
+    averages = bits.mean(axis=1)
+    lasting = persistence(mdp, "object", states=states, show_progress=show).mean()
+    return _Pair(
+        averages=averages[1:],
+        range=furthest(distances(mdp, "object", states), least),
+        latency=float(least.min()),
+        median_latency=float(np.median(least)),
+        persistence=float(lasting * per_bit(options.get("unit", "bits"))),
+        reliability=share(averages[-1], sure[-1].mean()),
+    )
+
+
+def _dynamics(pair: World) -> object:
+    """What a pair's measures depend on: they go over all placements, wherever things start."""
+    return id(pair.tool_rule), pair.tool_slip, pair.reading, pair.object_kind
+
+
+def _object_names(world: World) -> list[str]:
+    return [thing.name for thing in world.objects]

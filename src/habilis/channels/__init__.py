@@ -1,0 +1,1 @@
+"""Capacity of discrete memoryless channels, with a certificate."""

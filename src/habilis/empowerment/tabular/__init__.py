@@ -1,0 +1,1 @@
+"""Algorithms for tables: counting, beliefs, open-loop channels, persistence."""

@@ -1,0 +1,219 @@
+"""What a computation with noise, of transitions or of the sensor, will cost, before it starts."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from habilis.channels.capacity_solver import best_inputs
+from habilis.empowerment.limits import Limits, takes, too_much
+from habilis.empowerment.tabular.beliefs import beliefs_after, states_within
+from habilis.empowerment.tabular.open_loop import Problem, drawn, solve_channel
+from habilis.probabilities import shape_of
+
+_PROBED, _LEAST_PROBED = 17, 3  # states looked at, from all over ...
+_ORDER = (0, 8), (4, 8), (2, 4), (1, 2)  # ... by their first and their distance
+_ENTRIES = 200_000  # numbers in the beliefs of a state up to which they are tried out
+_BYTES = 8 * 4  # a number of a belief: in an array perhaps just doubled, and what comes of it
+_STEP = 300  # bytes that each step takes however few beliefs there are
+_TRIAL = 0.3  # seconds that trying out a state may take
+_FORESEEN = 2_000  # horizons looked at one by one
+_TRIFLE = 20_000_000  # numbers in all states' beliefs, at worst, below which nobody waits
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What each horizon from 0 to h costs.
+
+    Attributes:
+        gib: float64[h + 1], memory at once.
+        seconds: float64[h + 1].
+    """
+
+    gib: Float64[np.ndarray, "horizons"]
+    seconds: Float64[np.ndarray, "horizons"]
+
+
+def check_effort(
+    problem: Problem, starts: Int64[np.ndarray, "n"], threads: int, limits: Limits
+) -> None:
+    """Refuses what would take more than it may.
+
+    Raises:
+        TooMuchError: the estimate of memory or time is above its limit; the message has both, and
+            the largest horizon that fits.
+    """
+    successors, horizon = problem.successors, problem.horizon
+    states, actions = shape_of(problem.sensor)[0], successors.actions
+    if successors.certain:  # beliefs are states: so many are gone through, or make a channel
+        worst = np.log(max(horizon * actions, _width(problem, np.array([float(states)]))[0]))
+    else:
+        worst = horizon * np.log(actions)
+    worst += np.log(states) + np.log(max(len(starts), 1))
+    trifle = min(_TRIFLE * min(limits.seconds, 1.0), most_entries(limits, 1))
+    few = worst <= np.log(max(trifle, 1e-300))
+    if not len(starts) or (few and horizon <= _FORESEEN):
+        return
+    effort = estimate(replace(problem, horizon=min(horizon, _FORESEEN)), starts, threads)
+    fits = (effort.gib <= limits.gib) & (effort.seconds <= limits.seconds)
+    fitting = int(np.argmin(fits)) - 1
+    gib, seconds = effort.gib[-1], effort.seconds[-1]
+    if fits.all():
+        # The least that each further action can add is what the last one added.
+        more = horizon - len(fits) + 1
+        each = np.array([gib - effort.gib[-2], seconds - effort.seconds[-2]])
+        left = np.array([limits.gib - gib, limits.seconds - seconds])
+        gib, seconds = np.array([gib, seconds]) + more * each
+        if gib <= limits.gib and seconds <= limits.seconds:
+            return
+        fitting = len(fits) - 1 + int((left / np.maximum(each, 1e-300)).min())
+    raise too_much(horizon, fitting, limits, takes(gib, seconds), estimated=True)
+
+
+def check_samples(
+    problem: Problem, starts: Int64[np.ndarray, "n"], samples: int, threads: int, limits: Limits
+) -> None:
+    """Refuses samples of sequences that would take more than they may.
+
+    Raises:
+        TooMuchError: as above.
+    """
+    successors, horizon = problem.successors, problem.horizon
+    if not len(starts):
+        return
+    states, first = len(np.unique(starts)), int(starts[0])
+    short = replace(problem, horizon=min(horizon, _FORESEEN))
+    wide = max(states_within(successors, start, short.horizon)[-1] for start in _probes(starts))
+    if wide * horizon * samples * states <= _TRIFLE * min(limits.seconds, 1.0):
+        return
+    _compile(short, first)
+    drawn(replace(short, horizon=min(horizon, 1)), first, 1, 0)
+    tried = [_sampling_tried(short, start, samples) for start in _probes(starts)]
+    following, solving = np.mean(tried, axis=0) * states / threads
+    gib = 8.0 * samples * min(threads, states) * horizon / 2**30
+    seconds = following * horizon / max(short.horizon, 1) + solving
+    if gib > limits.gib or seconds > limits.seconds:
+        fitting = int(horizon * min(limits.gib / gib, limits.seconds / seconds))
+        fitting = min(fitting, horizon - 1)
+        raise too_much(horizon, fitting, limits, takes(gib, seconds), estimated=True)
+
+
+def _sampling_tried(
+    problem: Problem, start: int, samples: int
+) -> Float64[np.ndarray, "following_and_solving"]:
+    """Seconds for following the sequences of a state, and for their channel.
+
+    Both have a part that is the same for any number of sequences: what more of them take follows
+    from the last two numbers tried.
+    """
+    tried, took = min(samples, 10), []
+    while True:
+        began = time.thread_time()
+        states, matrix = drawn(problem, start, tried, 0)
+        followed = time.thread_time()
+        solve_channel(problem, states, matrix)
+        ended = time.thread_time()
+        took.append(np.array([followed - began, ended - followed]))
+        if tried == samples:
+            return took[-1]
+        if len(took) > 1 and 2 * (ended - began) > _TRIAL:
+            more = np.maximum(took[-1] - took[-2], 0) / (tried - tried // 2)
+            return took[-1] + more * (samples - tried)
+        tried = min(samples, 2 * tried)
+
+
+def most_entries(limits: Limits, at_once: int) -> int:
+    """How many numbers the beliefs of one of so many states at once may be."""
+    return int(min(limits.gib * 2**30 / (_BYTES * at_once), 2**62))
+
+
+def estimate(problem: Problem, starts: Int64[np.ndarray, "n"], threads: int) -> Effort:
+    """Memory and time of every horizon up to the problem's, from a look at a few states.
+
+    In these, beliefs are followed as far as that is cheap, and timed. From there on each step
+    multiplies them as the last one did, which merging seldom exceeds.
+    """
+    _compile(problem, int(starts[0]))
+    probed = [_probe(problem, start) for start in _probes(starts)]
+    gib = np.max([memory for memory, _ in probed], axis=0)
+    seconds = np.mean([taken for _, taken in probed], axis=0)
+    return Effort(gib * min(threads, len(starts)), seconds * len(np.unique(starts)) / threads)
+
+
+def _probes(starts: Int64[np.ndarray, "n"]) -> Iterator[int]:
+    """The states that are looked at, from all over: a few, and more while they take no time."""
+    began = time.thread_time()
+    spread = starts[np.linspace(0, len(starts) - 1, _PROBED).astype(int)]
+    order = [place for first, step in _ORDER for place in range(first, _PROBED, step)]
+    for count, start in enumerate(dict.fromkeys(spread[order].tolist())):
+        if count >= _LEAST_PROBED and time.thread_time() - began > _TRIAL:
+            return
+        yield start
+
+
+def _probe(
+    problem: Problem, start: int
+) -> tuple[Float64[np.ndarray, "horizons"], Float64[np.ndarray, "horizons"]]:
+    """GiB and seconds of one state, by horizon."""
+    successors, horizon = problem.successors, problem.horizon
+    reached = states_within(successors, start, horizon)
+    wide = _width(problem, reached)
+    counts, took, solving = _tried(problem, start, wide)
+    known = len(counts) - 1
+    factor = counts[-1] / counts[-2] if known else 1.0
+    # Past this many nothing fits anyway, and products of it are still numbers.
+    steps = np.minimum(np.arange(1.0, horizon - known + 1), 200 / np.log10(max(factor, 1.01)))
+    beliefs = np.concatenate([counts, counts[-1] * factor**steps])
+    if successors.certain:
+        beliefs = np.minimum(beliefs, reached)
+    entries = beliefs * wide
+    followed = beliefs if successors.certain else entries
+    parents = np.cumsum(8 * beliefs + _STEP)  # how each belief came about
+    memory = _BYTES * entries + 20 * beliefs * successors.actions + parents
+    worked = np.cumsum(followed) * successors.actions
+    seconds = worked * took / max(worked[known], 1) + entries * solving / max(entries[known], 1)
+    return memory / 2**30, seconds
+
+
+def _compile(problem: Problem, start: int) -> None:
+    """Does once what is timed later: the first time, it is compiled, for many seconds."""
+    beliefs = beliefs_after(problem.successors, start, min(1, problem.horizon))
+    solve_channel(problem, beliefs.states, beliefs.matrix)
+    best_inputs(np.array([[0.9, 0.1], [0.2, 0.8]]), 1e-6)
+
+
+def _width(
+    problem: Problem, reached: Float64[np.ndarray, "horizons"]
+) -> Float64[np.ndarray, "horizons"]:
+    """Numbers in a row at most: of a belief or, where it is one state, of its channel."""
+    if not problem.successors.certain:
+        return reached
+    seen = int(np.diff(problem.sensor.indptr).max(initial=1))
+    return np.minimum(reached * seen, shape_of(problem.sensor)[1])
+
+
+def _tried(
+    problem: Problem, start: int, wide: Float64[np.ndarray, "horizons"]
+) -> tuple[Float64[np.ndarray, "known"], float, float]:
+    """How many beliefs 0, 1, ... actions make, and the seconds for them and for a channel.
+
+    Those of the processor: what else runs on a machine makes nothing cost more.
+    """
+    successors = problem.successors
+    depth, counts, took, spent = 0, [1.0], 0.0, 0.0
+    beliefs = beliefs_after(successors, start, 0)
+    while depth < problem.horizon and counts[-1]:
+        entries = counts[-1] * successors.actions * wide[depth + 1]
+        if depth > 0 and (entries > _ENTRIES or spent > _TRIAL):
+            break
+        depth += 1
+        began = time.thread_time()
+        beliefs = beliefs_after(successors, start, depth)
+        took = time.thread_time() - began
+        spent += took
+        counts.append(float(len(beliefs.steps[-1][0])))
+    began = time.thread_time()
+    solve_channel(problem, beliefs.states, beliefs.matrix)
+    return np.array(counts), took, time.thread_time() - began

@@ -1,0 +1,367 @@
+"""Counts of observations where nothing is noisy: by the cheapest way, if it fits."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Int32, Int64
+
+from habilis.compiled import compiled
+from habilis.empowerment.limits import (
+    UNLIMITED,
+    Limits,
+    Progress,
+    check_memory,
+    unwatched,
+    watched,
+)
+from habilis.empowerment.tabular.columns import Columns, count_columns, count_every_horizon, memory
+from habilis.empowerment.tabular.counting import count_backward, count_forward, sets_backward, sizes
+from habilis.empowerment.tabular.eventual import same_horizon
+from habilis.empowerment.tabular.recurring import FIRST_LOOK, repeated
+from habilis.empowerment.tabular.spreading import Graph
+from habilis.empowerment.tabular.windows import Window, count_in_window, window_of, worth_a_window
+
+MOST_PACKED_LABELS = 4096
+"""Labels up to which all states' sets are carried back at once."""
+
+_LISTED = 128  # states in a set up to which a list of them costs less than a row of bits
+_LIST_STEPS = 2_000_000  # steps from state to state that a list may cost
+_TRIED = 16  # states whose lists are tried out
+_LONG = 64  # actions above which a shorter horizon with the same sets is looked for
+_TRIFLE = 2_000_000  # state-actions in all steps below which that takes longer than it saves
+_GIB = 2**30
+
+Counts = Int64[np.ndarray, "n"]
+Levels = Int64[np.ndarray, "levels"]  # states within 0, 1, ... actions
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is to be counted.
+
+    Attributes:
+        table: int32[S, A], the states that the chosen actions lead to.
+        labels: int32[S], what is observed in each state, from 0; -1 for nothing.
+        label_count: how many labels there are.
+        horizon: h, in actions.
+        starts: the states asked about, each as often as asked; `None` for all.
+        cells: int32[S], the cells of a map that the labels stand for, if they stand for cells.
+        shape: rows and columns of that map.
+        threads: how many work side by side.
+        limits: what it may cost.
+        tell: is called with the share that is done.
+    """
+
+    table: Int32[np.ndarray, "S A"]
+    labels: Int32[np.ndarray, "S"]
+    label_count: int
+    horizon: int
+    starts: Int64[np.ndarray, "n"] | None = None
+    cells: Int32[np.ndarray, "S"] | None = None
+    shape: tuple[int, int] | None = None
+    threads: int = 1
+    limits: Limits = UNLIMITED
+    tell: Progress = unwatched
+
+
+def counts(question: Question) -> Counts:
+    """How many observations h actions can bring about.
+
+    Returns:
+        |O_h(s)| for every state asked about; 0 where nothing is observed in the end.
+
+    Raises:
+        TooMuchError: it would take more than the limits.
+    """
+    asked, place, levels = _near(question)
+    horizon = question.horizon
+    if horizon == 0:
+        return (asked.labels >= 0).astype(np.int64)[place]
+    steps, graph = asked.horizon, None
+    if steps > _LONG and asked.table.size * steps > _TRIFLE:
+        _check(question.horizon, asked, levels, _graph_bytes(asked))
+        graph = Graph.of(asked.table)
+        steps = same_horizon(graph, steps)
+    asked = replace(asked, horizon=steps)
+    if asked.cells is not None and asked.shape is not None and worth_a_window(asked.shape):
+        found = _in_window(question, asked, levels)
+        if found is not None:
+            return found[place]
+    if asked.label_count <= MOST_PACKED_LABELS:
+        gib = _check(
+            question.horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64))
+        )
+        _compile_packed()
+        watch = watched(horizon, steps, gib, question.limits, question.tell)
+        return count_backward(
+            asked.table, asked.labels, asked.label_count, steps, asked.threads, watch
+        )[place]
+    return _of_many_labels(question, asked, place, levels, graph)
+
+
+def counts_by_horizon(question: Question) -> Int64[np.ndarray, "horizons n"]:
+    """`counts` of 0, 1, ... h actions.
+
+    Raises:
+        TooMuchError: it would take more than the limits; h + 1 numbers a state asked about are
+            part of it.
+    """
+    size = len(question.table if question.starts is None else question.starts)
+    horizon, limits = question.horizon, question.limits
+    check_memory(*_rows_gib(question, size, horizon + 1), horizon, limits)
+    rows, period = counts_until_repeated(question)
+    return rows[repeated(horizon, len(rows) - 1, period)]
+
+
+def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"], int]:
+    """`counts` of 0, 1, ... actions, up to h or to where they come again, whichever is sooner.
+
+    Returns:
+        The k rows; and the period, so that the row after the last is the one of `period` rows
+        before: see `repeated`.
+
+    Raises:
+        TooMuchError: it would take more than the limits.
+    """
+    asked, place, levels = _near(question)
+    horizon, limits = question.horizon, question.limits
+    if asked.label_count <= MOST_PACKED_LABELS:
+        gib = _check(horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64)))
+        _compile_packed()
+        watch = watched(horizon, horizon, gib, limits, question.tell)
+        sets = sets_backward(
+            asked.table, asked.labels, asked.label_count, horizon, asked.threads, jump=False
+        )
+        rows: list[Counts] = []
+        while True:
+            try:
+                now, _ = next(sets)
+            except StopIteration as end:
+                return np.stack(rows), end.value
+            rows.append(sizes(now[place]))
+            check_memory(*_rows_gib(question, len(place), len(rows), gib), horizon, limits)
+            watch((len(rows) - 1) / max(horizon, 1))
+    # A block of columns has a period of its own: all of them together seldom have a short one.
+    columns = Columns.of(asked.labels, asked.label_count, None)
+    gib = _check(horizon, asked, levels, _columns_bytes(asked, columns))
+    check_memory(*_rows_gib(question, len(place), horizon + 1, gib), horizon, limits)
+    _compile_columns(False)
+    watch = watched(horizon, horizon, gib, limits, question.tell)
+    graph = Graph.of(asked.table)
+    every = count_every_horizon(
+        graph, asked.labels, asked.label_count, horizon, place, asked.threads, watch
+    )
+    return every, 0
+
+
+def _rows_gib(question: Question, size: int, rows: int, besides: float = 0) -> tuple[float, int]:
+    """The memory of so many rows and of what is besides, and the last row for which there is any.
+
+    Rows are kept one by one, put together, and repeated; of many labels a thread has its own.
+    """
+    row = 8 * (2 + question.threads) * max(size, 1)
+    left = int(min((question.limits.gib - besides) * _GIB, 2**62))
+    return besides + row * rows / _GIB, max(left // row - 1, -1)
+
+
+# Done once before anything is timed: the first time, it is compiled, for many seconds.
+
+
+@lru_cache(1)
+def _compile_packed() -> None:
+    count_backward(np.zeros((1, 1), np.int32), np.zeros(1, np.int32), 1, 1)
+
+
+@lru_cache(1)
+def _compile_window() -> None:
+    table, cell = np.zeros((1, 1), np.int32), np.zeros(1, np.int16)
+    window_of(table, cell, cell, 1, 2, 1)
+    count_in_window(table, cell, cell, 1, Window(0, 0, 1, 1), 1)
+
+
+@lru_cache(2)
+def _compile_columns(forward: bool) -> None:
+    table, labels, starts = np.zeros((1, 1), np.int32), np.zeros(1, np.int32), np.zeros(1, np.int64)
+    columns = Columns.of(labels, 2, starts if forward else None)
+    count_columns(Graph.of(table), labels, 2, 1, columns)
+
+
+@lru_cache(1)
+def _compile_lists() -> None:
+    table, labels, starts = np.zeros((1, 1), np.int32), np.zeros(1, np.int32), np.zeros(1, np.int64)
+    count_forward(table, labels, 1, 1, starts)
+
+
+def _near(question: Question) -> tuple[Question, Counts, Levels]:
+    """The part of a question that h actions can touch, the starts in it, and its growth.
+
+    Returns:
+        The question of all states of that part; the places of the starts; and how many states 0,
+        1, ... actions can touch, up to where they are no more.
+    """
+    if question.starts is None:
+        states = len(question.table)
+        return question, np.arange(states), np.array([states])
+    near, table, place, levels = neighbourhood(question.table, question.starts, question.horizon)
+    cells = None if question.cells is None else question.cells[near]
+    labels = question.labels[near]
+    return replace(question, table=table, labels=labels, cells=cells), place, levels
+
+
+def neighbourhood(
+    table: Int32[np.ndarray, "S A"], starts: Int64[np.ndarray, "n"], horizon: int
+) -> tuple[Int64[np.ndarray, "N"], Int32[np.ndarray, "N A"], Counts, Levels]:
+    """The part of the table that h actions from the starts can touch.
+
+    Returns:
+        The N states reached within h actions, in order; the table over them alone (states on the
+        rim, whose successors no longer matter, stay where they are); the starts' places in it;
+        and how many states are reached within 0, 1, ... actions, up to where they are no more.
+    """
+    near, levels = _reached(table, starts, horizon)
+    near.sort()
+    place = np.full(len(table), -1, np.int32)
+    place[near] = np.arange(len(near), dtype=np.int32)
+    small = place[table[near]]
+    rim = small < 0
+    small[rim] = np.nonzero(rim)[0]
+    return near, small, place[starts].astype(np.int64), levels
+
+
+@compiled
+def _reached(table, starts, horizon):
+    met = np.zeros(len(table), np.bool_)
+    found = [np.int64(s) for s in starts[:0]]
+    for s in starts:
+        if not met[s]:
+            met[s] = True
+            found.append(s)
+    levels = [len(found)]
+    begin = 0
+    while begin < len(found) and len(levels) <= horizon:
+        end = len(found)
+        for k in range(begin, end):
+            for a in range(table.shape[1]):
+                s = np.int64(table[found[k], a])
+                if not met[s]:
+                    met[s] = True
+                    found.append(s)
+        begin = end
+        levels.append(len(found))
+    return np.array(found, np.int64), np.array(levels, np.int64)
+
+
+def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | None:
+    """To how many cells a thing can be brought, if looking at those near it saves anything."""
+    assert asked.cells is not None
+    assert asked.shape is not None
+    row, column = (part.astype(np.int16) for part in np.divmod(asked.cells, asked.shape[1]))
+    cells = asked.shape[0] * asked.shape[1]
+    words = min(-(-cells // 64), MOST_PACKED_LABELS // 64)
+    limits, steps, table, threads = question.limits, asked.horizon, asked.table, asked.threads
+    shown = asked.labels >= 0
+    gib = _check(question.horizon, asked, levels, lambda states: 24.0 * states)
+    _compile_window()
+    watch = watched(question.horizon, steps, gib, limits, question.tell)
+    # Shifting a word takes twice as long as uniting two, so half of them must be saved.
+    window = window_of(
+        table, row, column, steps, words // 2, threads, shown=shown, watch=_first_half(watch)
+    )
+    if window is None:
+        return None
+    gib = _check(question.horizon, asked, levels, _window_bytes(asked, window))
+    watch = watched(question.horizon, steps, gib, limits, question.tell)
+    return count_in_window(table, row, column, steps, window, threads, shown=shown, watch=watch)
+
+
+def _of_many_labels(
+    question: Question, asked: Question, place: Counts, levels: Levels, graph: Graph | None
+) -> Counts:
+    """As lists while sets are short, and as columns of bits where they outgrow these."""
+    starts, where = place, slice(None)
+    if question.starts is not None:
+        starts, where = np.unique(place, return_inverse=True)
+    columns = Columns.of(asked.labels, asked.label_count, starts)
+    gib = _check(question.horizon, asked, levels, _columns_bytes(asked, columns))
+
+    def listed(chosen: Counts, threads: int, watch: Progress) -> None:
+        found[chosen] = count_forward(
+            asked.table,
+            asked.labels,
+            asked.label_count,
+            asked.horizon,
+            starts[chosen],
+            threads,
+            most=_LISTED,
+            most_steps=_LIST_STEPS,
+            watch=watch,
+        )
+
+    found = np.full(len(starts), -1, np.int64)
+    if len(starts):
+        _compile_lists()
+        trial = np.unique(np.linspace(0, len(starts) - 1, _TRIED).astype(int))
+        listed(trial, 1, unwatched)
+        if (found[trial] >= 0).mean() > 0.5:
+            rest = np.ones(len(starts), bool)
+            rest[trial] = False
+            watch = watched(question.horizon, asked.horizon, gib, question.limits, question.tell)
+            listed(np.flatnonzero(rest), asked.threads, watch)
+    long = np.flatnonzero(found < 0)
+    if len(long):
+        graph = Graph.of(asked.table) if graph is None else graph
+        columns = Columns.of(asked.labels, asked.label_count, starts[long])
+        _compile_columns(columns.forward)
+        watch = watched(question.horizon, asked.horizon, gib, question.limits, question.tell)
+        counted = count_columns(
+            graph,
+            asked.labels,
+            asked.label_count,
+            asked.horizon,
+            columns,
+            asked.threads,
+            watch,
+        )
+        found[long] = counted if columns.forward else counted[starts[long]]
+    return found[where]
+
+
+def _first_half(watch: Progress) -> Progress:
+    return lambda share: watch(share / 2)
+
+
+# What it takes, in bytes, by how many states there are.
+
+
+def _check(horizon: int, asked: Question, levels: Levels, memory: Callable[[int], float]) -> float:
+    """The memory in GiB, unless it is above the limit.
+
+    Raises:
+        TooMuchError: with the largest horizon within which few enough states are touched.
+    """
+    gib = memory(len(asked.table)) / _GIB
+    if gib > asked.limits.gib:
+        small = [memory(int(states)) / _GIB <= asked.limits.gib for states in levels]
+        check_memory(gib, max(sum(small) - 1, 0), horizon, asked.limits)
+    return gib
+
+
+def _graph_bytes(asked: Question) -> Callable[[int], float]:
+    return lambda states: states * (8.0 * asked.table.shape[1] + 64)
+
+
+def _packed_bytes(asked: Question, words: int) -> Callable[[int], float]:
+    planes = 3 if asked.horizon > FIRST_LOOK else 2
+    return lambda states: 8.0 * planes * max(words, 1) * states
+
+
+def _window_bytes(asked: Question, window: Window) -> Callable[[int], float]:
+    return _packed_bytes(asked, window.words)
+
+
+def _columns_bytes(asked: Question, columns: Columns) -> Callable[[int], float]:
+    return lambda states: float(
+        memory(states, asked.table.shape[1], columns, asked.label_count, asked.threads)
+    )

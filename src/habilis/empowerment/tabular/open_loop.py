@@ -1,0 +1,187 @@
+"""The open-loop empowerment of one state where outcomes or the sensor are uncertain."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float64, Int32, Int64
+
+from habilis.channels.capacity_solver import best_inputs
+from habilis.empowerment.sensors import Sensor, observation_probabilities
+from habilis.empowerment.tabular.beliefs import (
+    SAME,
+    Beliefs,
+    Successors,
+    beliefs_after,
+    distinct,
+    followed,
+    unheard,
+    wandered,
+)
+from habilis.mdp import TabularMDP
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+_LN2 = np.log(2)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is the same for every state.
+
+    Attributes:
+        successors: the transitions under the chosen actions.
+        sensor: sparse float64[S, O], what is perceived in each state.
+        horizon: h, in actions.
+        tolerance: the gap to reach, in bits.
+        most_entries: how many numbers the beliefs of one state may be.
+    """
+
+    successors: Successors
+    sensor: "csr_array"
+    horizon: int
+    tolerance: float
+    most_entries: int = 2**62
+
+
+def problem_of(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Int64[np.ndarray, "A"],
+    tolerance: float,
+    most_entries: int = 2**62,
+) -> Problem:
+    """A measure's arguments, made ready."""
+    transitions, every = mdp.transitions, mdp.action_count
+    if len(actions) < every:
+        if isinstance(transitions, np.ndarray):
+            transitions = np.ascontiguousarray(transitions[:, actions])
+        else:
+            rows = np.arange(mdp.states)[:, None] * every + actions
+            transitions = transitions[rows.ravel()]
+    successors = successors_of(transitions, len(actions))
+    seen = observation_probabilities(mdp, sensor)
+    return Problem(successors, seen, horizon, tolerance, most_entries)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The empowerment of one state.
+
+    Attributes:
+        bits: what `inputs` attain.
+        gap: bits, a proven upper bound on what is missing.
+        channel: float64[K, O], merged sequences by observations that are possible.
+        observations: int64[O], which columns of the sensor these are.
+        rows: int64[K], the beliefs that stand for the channel's inputs.
+        inputs: float64[K], the distribution over them.
+    """
+
+    bits: float
+    gap: float
+    channel: Float64[np.ndarray, "K O"]
+    observations: Int64[np.ndarray, "O"]
+    rows: Int64[np.ndarray, "K"]
+    inputs: Float64[np.ndarray, "K"]
+
+
+def successors_of(transitions: "Int32[np.ndarray, 'S A'] | csr_array", actions: int) -> Successors:
+    """A table's transitions as the kernels read them."""
+    if isinstance(transitions, np.ndarray):
+        there = transitions.ravel() >= 0
+        first = np.concatenate([[0], np.cumsum(there)])
+        reached = transitions.ravel()[there]
+        return Successors(first, reached, np.ones(len(reached)), actions)
+    return Successors(
+        transitions.indptr.astype(np.int64),
+        transitions.indices.astype(np.int32),
+        transitions.data,
+        actions,
+    )
+
+
+def exact(
+    problem: Problem, start: int, tell: Callable[[int, int], None] = unheard
+) -> tuple[Beliefs, Answer]:
+    """The empowerment of a state over all sequences of actions.
+
+    Args:
+        problem: what is asked.
+        start: the state.
+        tell: receives how many actions are done, and how many there are.
+
+    Raises:
+        TooManyBeliefsError: there are more beliefs than `most_entries` allows.
+    """
+    beliefs = beliefs_after(problem.successors, start, problem.horizon, problem.most_entries, tell)
+    answer = solve_channel(problem, beliefs.states, beliefs.matrix)
+    return beliefs, answer
+
+
+def sampled(problem: Problem, start: int, samples: int, seed: int) -> Answer:
+    """A lower bound from some sequences of actions, drawn uniformly.
+
+    Where actions are not available everywhere, each step is drawn uniformly from those that surely
+    are; sequences that end before h actions are left out. The gap is to the least of what is known
+    of the whole without looking at all sequences: the logarithms of the number of sequences and of
+    the number of possible observations.
+    """
+    actions, horizon = problem.successors.actions, problem.horizon
+    states, matrix = drawn(problem, start, samples, seed)
+    answer = solve_channel(problem, states, matrix)
+    possible = problem.sensor[states].sum(axis=0).astype(bool).sum()
+    most = min(np.log2(max(possible, 1)), horizon * np.log2(actions))
+    gap = max(float(most) - answer.bits, answer.gap)
+    return Answer(answer.bits, gap, answer.channel, answer.observations, answer.rows, answer.inputs)
+
+
+def drawn(
+    problem: Problem, start: int, samples: int, seed: int
+) -> tuple[Int32[np.ndarray, "N"], Float64[np.ndarray, "k N"]]:
+    """The beliefs, over which states, that sequences drawn as `sampled` draws them lead to."""
+    actions, horizon = problem.successors.actions, problem.horizon
+    rng = np.random.default_rng([seed, start])
+    if problem.successors.always_available:
+        sequences = rng.integers(actions, size=(samples, horizon), dtype=np.int32)
+        return followed(problem.successors, start, sequences)
+    return wandered(problem.successors, start, rng.random((samples, horizon)))
+
+
+def solve_channel(
+    problem: Problem,
+    states: Int32[np.ndarray, "N"],
+    matrix: "Float64[np.ndarray, 'K N'] | csr_array",
+) -> Answer:
+    """The capacity of the channel from rows of beliefs through the sensor; 0 without any row."""
+    seen = problem.sensor[states]
+    observations = np.unique(seen.indices).astype(np.int64)
+    channel, rows = distinct(np.ascontiguousarray(matrix @ seen[:, observations].toarray()))
+    possible = channel.any(axis=0)
+    channel, observations = np.ascontiguousarray(channel[:, possible]), observations[possible]
+    rows = rows.astype(np.int64)
+    inputs = np.full(len(channel), 1 / max(len(channel), 1))
+    merged = _merging_error(len(states), problem.horizon, len(observations))
+    if len(channel) <= 1 or len(observations) == 1:
+        return Answer(0.0, 0.0, channel, observations, rows, inputs)
+    if (channel.max(axis=1) == 1).all():  # no noise is left: all inputs alike
+        bits = float(np.log2(len(channel)))
+        return Answer(bits, merged, channel, observations, rows, inputs)
+    inputs, found = best_inputs(channel, max(problem.tolerance - merged, 0) * _LN2)
+    bits, gap = float(found.lower / _LN2), float(found.gap / _LN2) + merged
+    return Answer(bits, gap, channel, observations, rows, inputs)
+
+
+def _merging_error(states: int, horizon: int, observations: int) -> float:
+    """By how many bits merging beliefs that differ by rounding can change a capacity.
+
+    A row changes by at most `distance` in total variation, and so both entropies of the
+    mutual information by at most `T log2(O - 1) + H(T)` (Fannes 1973; Audenaert 2007).
+    """
+    distance = min(SAME * states * (horizon + 1) / 2, 0.5)
+    if horizon == 0 or distance == 0:
+        return 0.0
+    binary = -distance * np.log2(distance) - (1 - distance) * np.log2(1 - distance)
+    return float(2 * (distance * np.log2(max(observations - 1, 1)) + binary))

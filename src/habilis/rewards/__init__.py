@@ -1,0 +1,1 @@
+"""Empowerment in the reward: shaping, and tables of it that are computed once."""

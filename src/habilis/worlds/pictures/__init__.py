@@ -1,0 +1,1 @@
+"""Pictures of worlds: shapes, figures, heatmaps, tiles, video."""

@@ -1,0 +1,144 @@
+"""Pictures of very many states: every look of every cell is drawn once, the rest is copying."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Integer, UInt8
+from numpy.typing import ArrayLike
+
+from habilis.worlds.pictures.figures import bins, object_drawings, rendered, tool_looks
+from habilis.worlds.pictures.shapes import SHAPES, Drawing
+from habilis.worlds.world import Cell, World
+
+Labels = Integer[np.ndarray, "N"]
+Look = UInt8[np.ndarray, "cells size size 3"]
+"""The pixels of each cell when some thing is there."""
+
+# Which of `tool_looks`, by how far a tool is from the agent: rows and columns, -2 or less to 2.
+_LOOK = np.zeros((5, 5), np.intp)
+_LOOK[[1, 2, 3, 2], [2, 3, 2, 1]] = [1, 2, 3, 4]
+
+
+@dataclass(frozen=True, eq=False)
+class Tiles:
+    """The looks of a world's cells, of which the picture of any of its states is laid.
+
+    Attributes:
+        empty: the map with its walls and its bins.
+        agent: the pixels of each cell when the agent is there (no matter where walls are).
+        objects: those when an object is there, for each of them.
+        tools: those when a tool is there, for each of them and of its looks: lying, then in hand to
+            the north, east, south and west of the agent.
+    """
+
+    empty: UInt8[np.ndarray, "rows size columns size 3"]
+    agent: Look
+    objects: tuple[Look, ...]
+    tools: tuple[UInt8[np.ndarray, "5 cells size size 3"], ...]
+
+    @classmethod
+    def of(cls, world: World, cell: int = 32) -> "Tiles":
+        """Draws the tiles of a world, `cell` by `cell` pixels each.
+
+        They take `3 * cells * cell ** 2` bytes of memory for the agent and for each object, five
+        times as many for each tool: 8 MB for a map of 20 x 20 cells with one of each.
+
+        Example:
+            >>> tiles = Tiles.of(World.parse("A.CG", "line"), cell=8)
+            >>> tiles.frame(agent=1, tool=None, object=2).shape
+            (8, 32, 3)
+        """
+        sizes = (world.height, cell, world.width, cell, 3)
+        cells = np.ndindex(world.height, world.width)
+        free = [(row, column) for row, column in cells if (row, column) not in world.walls]
+        goals = bins(world)
+
+        def look(drawing: Drawing) -> Look:
+            things = dict.fromkeys(free, drawing)
+            things |= {goal: its.with_thing(drawing) for goal, its in goals.items()}
+            pixels = rendered(world, things, cell).reshape(sizes)
+            return pixels.swapaxes(1, 2).reshape(-1, cell, cell, 3)
+
+        empty = {goal: its.with_thing(None) for goal, its in goals.items()}
+        return cls(
+            empty=rendered(world, empty, cell).reshape(sizes),
+            agent=look(SHAPES["agent"]),
+            objects=tuple(map(look, object_drawings(world))),
+            tools=tuple(np.stack(list(map(look, tool_looks(rule)))) for rule in world.rules),
+        )
+
+    @property
+    def tool(self) -> UInt8[np.ndarray, "5 cells size size 3"] | None:
+        """The looks of the only tool, or the first; `None` in a world without one."""
+        return self.tools[0] if self.tools else None
+
+    def picture(self, state: World) -> UInt8[np.ndarray, "height width 3"]:
+        """The picture of a state of the same world (see `frame`)."""
+
+        def labels(cell: Cell) -> list[int]:
+            return [cell[0] * state.width + cell[1]]
+
+        tools = [labels(tool.cell) for tool in state.tools]
+        objects = [labels(thing.cell) for thing in state.objects]
+        return self.laid(labels(state.agent), tools, objects, [state.in_hand])[0]
+
+    def frame(
+        self, agent: int, tool: int | None, object: int
+    ) -> UInt8[np.ndarray, "height width 3"]:
+        """The picture of a state: what `pictures.frame` gives, to the pixel.
+
+        Args:
+            agent, tool, object: distinct free cells, as `row * width + column`. The tool's is not
+                looked at in a world without one.
+        """
+        return self.frames([agent], None if tool is None else [tool], [object])[0]
+
+    def frames(
+        self, agent: ArrayLike, tool: ArrayLike | None, object: ArrayLike
+    ) -> UInt8[np.ndarray, "N height width 3"]:
+        """The pictures of N states, of which each argument gives the N cells (see `frame`).
+
+        Of a world with one object and at most one tool, which is in hand beside the agent.
+        """
+        return self.laid(agent, [] if tool is None else [tool], [object])
+
+    def laid(
+        self,
+        agent: ArrayLike,
+        tools: Sequence[ArrayLike],
+        objects: Sequence[ArrayLike],
+        held: ArrayLike | None = None,
+    ) -> UInt8[np.ndarray, "N height width 3"]:
+        """The pictures of N states of a world with any number of things.
+
+        Args:
+            agent: the N cells of the agent, `row * width + column`.
+            tools, objects: those of each tool and each object.
+            held: which tool is in hand, -1 for none; `None`: any that is beside the agent.
+        """
+        agent = np.asarray(agent)
+        rows, size, columns, _, _ = self.empty.shape
+        pictures = np.empty((len(agent), *self.empty.shape), np.uint8)
+        pictures[:] = self.empty
+        state = np.arange(len(agent))
+
+        def lay(cells: np.ndarray, tiles: np.ndarray) -> None:
+            row, column = np.divmod(cells, columns)
+            pictures[state, row, :, column] = tiles
+
+        for cells, look in zip(map(np.asarray, objects), self.objects, strict=True):
+            lay(cells, look[cells])
+        lay(agent, self.agent[agent])
+        for index, (cells, looks) in enumerate(zip(map(np.asarray, tools), self.tools)):  # noqa: B905  # a world without tools looks at none
+            which = self._look(agent, cells)
+            if held is not None:
+                which = np.where(np.asarray(held) == index, which, 0)
+            lay(cells, looks[which, cells])
+        return pictures.reshape(-1, rows * size, columns * size, 3)
+
+    def _look(self, agent: Labels, tool: Labels) -> Labels:
+        columns = self.empty.shape[2]
+        down = tool // columns - agent // columns
+        right = tool % columns - agent % columns
+        return _LOOK[np.clip(down, -2, 2) + 2, np.clip(right, -2, 2) + 2]
