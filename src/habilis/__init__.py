@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from habilis.analysis.data_frames import save_table as save_table
     from habilis.analysis.data_frames import to_dataframe as to_dataframe
     from habilis.analysis.landscape import Landscape as Landscape
+    from habilis.analysis.landscape import draw_landscapes as draw_landscapes
     from habilis.analysis.landscape import landscape as landscape
-    from habilis.analysis.landscape_picture import draw_landscapes as draw_landscapes
     from habilis.analysis.pairs import Pairs as Pairs
     from habilis.analysis.pairs import pairs as pairs
     from habilis.empowerment.tabular.persistence import persistence as persistence
@@ -74,7 +74,7 @@ __all__ = [  # what needs no extra: so `from habilis import *` works without one
 _LAZY = {  # imported on first use: by name, the module, and the extra that it needs if any
     "Landscape": ("habilis.analysis.landscape", None),
     "Pairs": ("habilis.analysis.pairs", None),
-    "draw_landscapes": ("habilis.analysis.landscape_picture", None),
+    "draw_landscapes": ("habilis.analysis.landscape", None),
     "landscape": ("habilis.analysis.landscape", None),
     "pairs": ("habilis.analysis.pairs", None),
     "persistence": ("habilis.empowerment.tabular.persistence", None),

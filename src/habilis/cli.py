@@ -298,7 +298,7 @@ def _verdict(tool: "Usefulness", tolerance: float) -> str:
 
 def futures(args: Args) -> int:
     from habilis.analysis.futures import futures as measure
-    from habilis.analysis.futures_picture import futures_figure, sequence_text
+    from habilis.analysis.futures import futures_figure, sequence_text
 
     world = load_world(args.world, args.tool)
     world = elsewhere(

@@ -13,8 +13,7 @@ from labels import labels_on
 from slow_channels import divergences
 
 import habilis as hb
-from habilis.analysis.futures import futures
-from habilis.analysis.futures_picture import futures_figure, sequence_text
+from habilis.analysis.futures import futures, futures_figure, sequence_text
 from habilis.cli import main
 from habilis.empowerment.tabular.open_loop import exact, problem_of
 from habilis.mdp import TabularMDP

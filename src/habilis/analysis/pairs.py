@@ -17,6 +17,7 @@ from habilis.analysis.influence import (
     furthest,
     share,
 )
+from habilis.colours import COLOURS
 from habilis.empowerment.api import Options
 from habilis.empowerment.arguments import at_least_one, per_bit
 from habilis.empowerment.horizons import empowerment_by_horizon
@@ -25,13 +26,20 @@ from habilis.files import save_whole, suffix_of
 from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
-from habilis.worlds.world import World
+from habilis.worlds.world import NO_TOOL, World
 
 if TYPE_CHECKING:
     import polars as pl
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Table = Float64[np.ndarray, "tools objects"]
+
+_CELL, _ROW, _PANEL, _LOWEST = 84, 46, 220, 220  # pixels: cells, panels
+_LETTER, _KEY, _GAP, _AXIS, _HEAD, _FOOT = 8, 52, 18, 62, 56, 48  # pixels: around them
+_MARKERS = "os^Dv<>"
+_DASHES = ("-", "--", "-.")
+_BARE, _DOTTED = "#5b6270", ":"
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +88,33 @@ class Pairs:
         Returns:
             A figure of its own, which `savefig` saves.
         """
-        from habilis.analysis.pairs_picture import pairs_figure
+        from habilis.worlds.pictures.figures import new_figure
 
-        return pairs_figure(self)
+        tools, objects = len(self.tools), len(self.objects)
+        names = _LETTER * max(map(len, self.tools))
+        cell = max(_CELL, _LETTER * max(map(len, self.objects)) + _GAP)
+        high = max(_LOWEST, _ROW * tools)
+        first = _GAP + names + cell * objects + _AXIS
+        width = first + (_PANEL + _GAP) * objects + _KEY + names
+        height = _HEAD + high + _FOOT
+        figure = new_figure(width, height)
+
+        def axes(
+            left: int, across: int
+        ) -> "Axes":  # in whole pixels: any layout engine rounds otherwise
+            place = left / width, _FOOT / height, across / width, high / height
+            return figure.add_axes(place)
+
+        _draw_matrix(axes(_GAP + names, cell * objects), self)
+        panels = [axes(first + (_PANEL + _GAP) * place, _PANEL) for place in range(objects)]
+        for place, ax in enumerate(panels):
+            _draw_curves(ax, self, place)
+            ax.sharey(panels[0])
+            ax.tick_params(labelleft=place == 0)
+        panels[0].set_ylabel(f"{self.unit} on average")
+        panels[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+        figure.text(_GAP / width, 1 - 16 / height, self.title, fontsize=11, va="center")
+        return figure
 
     def to_dataframe(self) -> "pl.DataFrame":
         """One row for each tool, object and h, with the average and what else is said of the pair.
@@ -250,3 +282,46 @@ def _dynamics(pair: World) -> object:
 
 def _object_names(world: World) -> list[str]:
     return [thing.name for thing in world.objects]
+
+
+def _draw_matrix(ax: "Axes", found: Pairs) -> None:
+    """Values in cells, the lighter the more."""
+    from habilis.worlds.pictures.heatmap import HEAT, inks, scale_of
+
+    values = found.averages[-1]
+    low, high = scale_of(values, vmin=0.0)
+    heat = ax.pcolormesh(values, cmap=HEAT, vmin=low, vmax=high, edgecolors="white", linewidth=2)
+    colours = inks(np.asarray(heat.to_rgba(values.ravel())))
+    for (row, column), ink in zip(np.ndindex(values.shape), colours, strict=True):
+        text = f"{values[row, column]:.2f}"
+        ax.text(column + 0.5, row + 0.5, text, color=ink, ha="center", va="center_baseline")
+    ax.set_xticks(np.arange(len(found.objects)) + 0.5, found.objects)
+    ax.set_yticks(np.arange(len(found.tools)) + 0.5, found.tools)
+    ax.tick_params(length=0)
+    ax.invert_yaxis()
+    ax.set_frame_on(False)
+    ax.set_title(f"{found.unit} for h = {found.horizon}", fontsize=10)
+
+
+def _draw_curves(ax: "Axes", found: Pairs, place: int) -> None:
+    """The averages over h of all tools for one object."""
+    from matplotlib.ticker import MaxNLocator
+
+    horizons = np.arange(1, found.horizon + 1)
+    for row, tool in enumerate(found.tools):
+        ax.plot(
+            horizons,
+            found.averages[:, row, place],
+            _DOTTED if tool == NO_TOOL else _DASHES[row // len(COLOURS) % len(_DASHES)],
+            color=_BARE if tool == NO_TOOL else COLOURS[row % len(COLOURS)],
+            marker="" if tool == NO_TOOL else _MARKERS[row % len(_MARKERS)],
+            markersize=6,
+            markerfacecolor="none",  # where curves coincide, the marks of all are seen
+            linewidth=1.4,
+            label=tool,
+        )
+    ax.set_ylim(bottom=0)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set_xlabel("h, actions")
+    ax.set_title(found.objects[place], fontsize=10)
+    ax.spines[["top", "right"]].set_visible(False)

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
-from habilis.analysis.landscape_picture import draw_landscapes
+from habilis.analysis.landscape import draw_landscapes
 from habilis.learning.curves import SMOOTHING
 from habilis.learning.runs import Run
 from habilis.studies.axes import (
