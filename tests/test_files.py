@@ -101,7 +101,10 @@ def test_no_writer_hides_a_full_disk_behind_an_error_of_its_library(tmp_path, si
         assert content(tmp_path) == {}
         assert type(refused.value) in (OSError, ValueError), suffix
         if not isinstance(refused.value, OSError):
-            says = f"{tmp_path}/out{suffix}: cannot be written (File too large)"
+            says = (
+                f"{tmp_path}/out{suffix}: cannot be written (File too large); make room there, or "
+            )
+            says += "name another place"
             assert str(refused.value) == says
         else:
             assert refused.value.strerror == "File too large", suffix

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from habilis.files import check_file, check_folder
+from habilis.files import check_file, check_folder, writing
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -33,10 +33,8 @@ def save(path: Path, write: Callable[[Path], Any]) -> None:
     Raises:
         ValueError: it cannot be written.
     """
-    try:
+    with writing(path):
         write(path)
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 def lower_bounds(args: "Namespace") -> str:

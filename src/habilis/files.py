@@ -3,7 +3,7 @@
 import os
 import stat
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
@@ -102,16 +102,23 @@ def save_whole(path: str | Path, write: Callable[[BytesIO], object]) -> None:
 
 
 @contextmanager
-def writing(path: str | Path) -> Iterator[None]:
-    """Turns what goes wrong with a file into one line.
+def writing(
+    path: str | Path, fix: str = "make room there, or name another place"
+) -> Iterator[None]:
+    """Turns an OSError of a file or folder into one line.
+
+    Args:
+        path: named in the line.
+        fix: the end of the line.
 
     Raises:
-        ValueError: an OSError came; the message has the path and the reason.
+        ValueError: an OSError was raised; the message has the path, the reason and the fix.
     """
     try:
         yield
     except OSError as error:
-        raise ValueError(f"{path}: cannot be written ({error.strerror or error})") from error
+        reason = error.strerror or error
+        raise ValueError(f"{path}: cannot be written ({reason}); {fix}") from error
 
 
 def is_partial(name: str, of: str) -> bool:
@@ -177,6 +184,26 @@ def check_folder(folder: str | Path) -> None:
     if not existing.is_dir():
         raise ValueError(f"{folder}: {existing} is not a folder; name another place")
     _check_room(folder, existing)
+
+
+def check_unused(folder: str | Path, but: Collection[str] = ()) -> None:
+    """Refuses a folder in which something could be overwritten, before any work is done.
+
+    Args:
+        folder: new or empty.
+        but: names of files that may be there, whole or half written.
+
+    Raises:
+        ValueError: it exists and is not an empty folder, or cannot be written.
+    """
+    folder = Path(folder)
+    check_folder(folder)
+    names = [path.name for path in folder.iterdir()] if folder.exists() else []
+    if any(name not in but and not any(is_partial(name, of) for of in but) for name in names):
+        raise ValueError(
+            f"{folder}: exists already; name a new folder, or remove it "
+            "(train, sweep and study go on in theirs with --resume)"
+        )
 
 
 def check_path(path: str | Path) -> None:

@@ -2,8 +2,9 @@ import jax
 import numpy as np
 import pytest
 
+from habilis.files import check_unused
 from habilis.learning.config import Config
-from habilis.learning.folder import check_unused, load_run, save_run
+from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import greedy_actions, play
 from habilis.learning.train import train
 from habilis.worlds.table import placement, tabulate
@@ -86,7 +87,7 @@ def test_a_run_that_cannot_be_written_leaves_nothing(run, tmp_path, monkeypatch)
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "savez", full)
-    with pytest.raises(ValueError, match=r"cannot write the run .*No space left"):
+    with pytest.raises(ValueError, match=r"cannot be written .*No space left"):
         save_run(run, tmp_path / "run")
     assert list(tmp_path.iterdir()) == []
 

@@ -204,7 +204,7 @@ def test_a_second_process_is_refused(room, tmp_path, capsys):
     try:
         wait_for_checkpoints(process, folder, 1)
         assert train_again(room, folder) == 2
-        assert "another process trains in it" in capsys.readouterr().err
+        assert "another process is using it" in capsys.readouterr().err
     finally:
         process.kill()
         process.wait()
@@ -237,7 +237,7 @@ def test_a_full_disk_is_one_line_and_with_room_it_goes_on(room, tmp_path, whole)
         process = start(room, folder)
         assert process.wait() == 2
         said = said_by(folder)
-        assert said.startswith(f"habilis: {folder}: cannot write the run (")
+        assert said.startswith(f"habilis: {folder}: cannot be written (")
         assert "No space left on device" in said
         assert said.endswith("make room there, and go on with resume\n")
         assert said.count("\n") == 1

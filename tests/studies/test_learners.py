@@ -10,8 +10,8 @@ import pytest
 
 import habilis as hb
 from habilis.cli import main
+from habilis.interruption import Interrupted
 from habilis.learning.config import Config
-from habilis.learning.interruption import Interrupted
 from habilis.learning.runs import Run
 from habilis.studies import learners
 from habilis.studies.choosing import analysis as choosing

@@ -14,8 +14,7 @@ import json
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -24,33 +23,13 @@ import jax
 import numpy as np
 import polars as pl
 
-from habilis.files import check_folder, check_path, is_partial, write_whole
+from habilis.files import check_path, check_unused, write_whole, writing
 from habilis.learning import checkpoints
 from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.runs import Run
 from habilis.worlds.own_tools import OwnToolError
 from habilis.worlds.world import World
-
-
-def check_unused(folder: str | Path, but: Collection[str] = ()) -> None:
-    """Refuses a folder that a run cannot be saved in, before any work is done.
-
-    Args:
-        folder: where the run is to be.
-        but: names of files that may be there, whole or half written.
-
-    Raises:
-        ValueError: it exists and is not an empty folder, or cannot be written.
-    """
-    folder = Path(folder)
-    check_folder(folder)
-    names = [path.name for path in folder.iterdir()] if folder.exists() else []
-    if any(name not in but and not any(is_partial(name, of) for of in but) for name in names):
-        raise ValueError(
-            f"{folder}: exists already; name a new folder, or remove it "
-            "(train and sweep go on in theirs with --resume)"
-        )
 
 
 def save_run(run: Run, folder: str | Path) -> None:
@@ -61,7 +40,7 @@ def save_run(run: Run, folder: str | Path) -> None:
     """
     folder = Path(folder).absolute()
     check_unused(folder)
-    with saving(folder):
+    with writing(folder):
         folder.parent.mkdir(parents=True, exist_ok=True)
         temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}-"))
         try:
@@ -71,25 +50,6 @@ def save_run(run: Run, folder: str | Path) -> None:
             temporary.rename(folder)
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
-
-
-@contextmanager
-def saving(folder: Path, mend: str = "make room there, or name another place") -> Iterator[None]:
-    """Turns what goes wrong on a disk into one line.
-
-    Args:
-        folder: named in the line.
-        mend: stands at its end.
-
-    Raises:
-        ValueError: something cannot be written.
-    """
-    try:
-        yield
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise ValueError(
-            f"{folder}: cannot write the run ({_first_line(error)}); {mend}"
-        ) from error
 
 
 def begin(job: Job, folder: Path) -> None:

@@ -6,23 +6,21 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from habilis.files import check_folder
+from habilis.files import check_folder, check_unused, writing
+from habilis.interruption import LOCK, Interrupted, locked, stop_signals
 from habilis.learning import checkpoints
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import (
     begin,
-    check_unused,
     finish,
     has_begun,
     is_finished,
     load_run,
     read_config,
     read_world,
-    saving,
     tidy,
 )
-from habilis.learning.interruption import Interrupted, alone, stop_signals
 from habilis.learning.jobs import Job
 from habilis.learning.points import note_points
 from habilis.learning.runs import Progress, Run
@@ -54,15 +52,15 @@ def train_in_folder(
         return _finished(config, folder)
     check_folder(folder)
     job = _job_of(config, folder)
-    with saving(folder):
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    with alone(folder):
+    with locked(folder):
         if is_finished(folder):  # by a process that had the folder until now
             return _finished(config, folder)
         if has_begun(folder):  # or begun, with who knows what settings
             _check_same(config, folder)
         _restore(job, folder)
-        with saving(folder, _GO_ON):
+        with writing(folder, _GO_ON):
             begin(job, folder)
             events = EventFiles(job, folder)
         return _train(job, on_progress, folder, seconds, events, lanes)
@@ -71,7 +69,7 @@ def train_in_folder(
 def _finished(config: Config, folder: Path) -> Run:
     _check_same(config, folder)
     run = load_run(folder)
-    with saving(folder):
+    with writing(folder):
         tidy(folder)
     return run
 
@@ -83,7 +81,7 @@ def _job_of(config: Config, folder: Path) -> Job:
     that, and nothing to go on from.
     """
     if not has_begun(folder):
-        ours = ("lock", "config.json", "world.txt") if (folder / "lock").exists() else ()
+        ours = (LOCK, "config.json", "world.txt") if (folder / LOCK).exists() else ()
         check_unused(folder, but=ours)
         return Job.of(0, config)
     _check_same(config, folder)
@@ -98,7 +96,7 @@ def _restore(job: Job, folder: Path) -> None:
             f"habilis: {path}: is damaged ({reason}); going on from the one before, {good}",
             file=sys.stderr,
         )
-        with saving(folder):
+        with writing(folder):
             checkpoints.set_aside(path)
 
 
@@ -127,7 +125,7 @@ def _train(
         nonlocal saved
         note_points(job)
         if over or time.monotonic() - saved >= seconds:
-            with saving(folder, _GO_ON):
+            with writing(folder, _GO_ON):
                 checkpoints.save(job, folder)
                 events.add()
             saved = time.monotonic()
@@ -143,7 +141,7 @@ def _train(
             look(over=True)
             raise Interrupted(f"stopped; all is kept in {folder}, to go on with resume", stopped())
         run = job.result()
-        with saving(folder, _GO_ON):
+        with writing(folder, _GO_ON):
             events.add()
             finish(run, folder)
     return run

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import polars as pl
 
-from habilis.files import check_folder
-from habilis.learning.folder import check_unused, saving
-from habilis.learning.interruption import alone, stop_signals
+from habilis.files import check_folder, check_unused, writing
+from habilis.interruption import locked, stop_signals
 from habilis.studies.choosing.analysis import STUDY as CHOOSING
 from habilis.studies.comparing.report import PAGE as PAGE
 from habilis.studies.comparing.report import Answer, write_report
@@ -52,7 +51,7 @@ def run_studies(
     budget = QUICK if quick else FULL
     folder = Path(out)
     _open(folder, resume)
-    with alone(folder), stop_signals() as stopped:
+    with locked(folder), stop_signals() as stopped:
         total = sum(len(_tried(s, budget)) + len(_final(s, budget, _any)) for s in studies)
         done = 0
 
@@ -85,7 +84,7 @@ def _open(folder: Path, resume: bool) -> None:
     check_folder(folder) if there else check_unused(folder)
     if there and not (folder / RUNS).is_dir():
         raise ValueError(f"{folder}: holds no studies to go on with; name another folder")
-    with saving(folder):
+    with writing(folder):
         (folder / RUNS).mkdir(parents=True, exist_ok=True)
 
 

@@ -11,7 +11,7 @@ import optuna
 import polars as pl
 from optuna.trial import TrialState
 
-from habilis.learning.folder import saving
+from habilis.files import writing
 from habilis.sweeps import store
 from habilis.sweeps.spec import OBJECTIVES, Range, Search, Spec, default_of, split
 from habilis.sweeps.sweep import Executor, OnProgress, Session, opened, points_of
@@ -49,7 +49,7 @@ def search(
     folder, wanted = Path(out), spec.search
     with opened(folder, resume, executor, on_progress) as session:
         _check_same(spec, folder)
-        with saving(folder):
+        with writing(folder):
             store.write_json(folder / _SPEC, _as_dict(spec))
         optuna.logging.set_verbosity(optuna.logging.ERROR)
         storage = optuna.storages.RDBStorage(f"sqlite:///{(folder / _TRIALS).absolute()}")

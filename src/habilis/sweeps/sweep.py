@@ -9,10 +9,9 @@ from typing import Protocol, runtime_checkable
 
 import polars as pl
 
-from habilis.files import check_folder
+from habilis.files import check_folder, check_unused, writing
+from habilis.interruption import Interrupted, locked, stop_signals
 from habilis.learning.config import Config
-from habilis.learning.folder import check_unused, saving
-from habilis.learning.interruption import Interrupted, alone, stop_signals
 from habilis.sweeps import store
 from habilis.sweeps.tasks import Done, Outcomes, Task, check, run_tasks, tasks_of
 from habilis.worlds.world import World, load_world
@@ -111,7 +110,7 @@ class Session:
         Raises:
             Interrupted: before all was finished.
         """
-        with saving(self.folder):
+        with writing(self.folder):
             store.write_points(points, self.folder)
             store.remove_results(self.folder)
         tasks = {task.name: task for point in points for task in tasks_of(*point)}
@@ -127,7 +126,7 @@ class Session:
 
         def done(task: Task, outcomes: Outcomes) -> None:
             if task.name not in self.outcomes:
-                with saving(self.folder):
+                with writing(self.folder):
                     store.write(task, outcomes, self.folder)
                 self.outcomes[task.name] = outcomes
                 tell()
@@ -147,7 +146,7 @@ class Session:
     def finish(self, points: Sequence[store.Point]) -> pl.DataFrame:
         """Writes the results."""
         frame = store.table(points, self.outcomes)
-        with saving(self.folder):
+        with writing(self.folder):
             store.write_results(frame, self.folder)
         return frame
 
@@ -162,9 +161,9 @@ def opened(
         ValueError: it is in use, is no sweep's, or cannot be written.
     """
     check_place(folder, resume)
-    with saving(folder):
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    with alone(folder), stop_signals() as stopped:
+    with locked(folder), stop_signals() as stopped:
         yield Session(folder, executor, on_progress, stopped)
 
 

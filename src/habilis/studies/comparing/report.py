@@ -7,8 +7,7 @@ from typing import Any
 
 import polars as pl
 
-from habilis.files import write_whole
-from habilis.learning.folder import saving
+from habilis.files import write_whole, writing
 from habilis.studies.comparing.analysis import Comparison, comparisons, sentences, summary
 from habilis.studies.comparing.study import HORIZON, QUICK, Budget, Study
 from habilis.studies.page import inlined, render
@@ -54,7 +53,7 @@ def write_report(answers: Sequence[Answer], budget: Budget, folder: Path) -> Non
     Raises:
         ValueError: the folder cannot be written.
     """
-    with saving(folder):
+    with writing(folder):
         for answer in answers:
             name = answer.study.name
             write_whole(folder / f"{name}.csv", answer.table.write_csv)

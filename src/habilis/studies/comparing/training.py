@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import polars as pl
 
-from habilis.files import write_whole
+from habilis.files import write_whole, writing
+from habilis.interruption import Interrupted
 from habilis.learning.batches import room, train_jobs
 from habilis.learning.config import Config
-from habilis.learning.folder import saving
-from habilis.learning.interruption import Interrupted
 from habilis.learning.jobs import Job
 from habilis.learning.runs import Run
 from habilis.studies.comparing.study import Agent, Budget, Case, Study, Tell
@@ -94,7 +93,7 @@ def trained(
 
     def done(point: Point, run: Run) -> None:
         kept[point.name] = _rows(run, tell)
-        with saving(folder):
+        with writing(folder):
             write_whole(_path(point, folder), kept[point.name].write_parquet)
         on_point()
 

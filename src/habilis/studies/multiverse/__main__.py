@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from habilis.files import check_folder
-from habilis.learning.interruption import Interrupted
+from habilis.interruption import Interrupted
 from habilis.studies.multiverse.report import write_page, write_study
 from habilis.studies.multiverse.settings import agents, all_maps
 from habilis.studies.multiverse.study import Study, joined

@@ -1,4 +1,4 @@
-"""Work in a folder that one process at a time does, and that can be stopped from outside."""
+"""Work that one process at a time does in a folder, and that signals stop."""
 
 import signal
 import threading
@@ -8,7 +8,10 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from habilis.files import remove_partial
+from habilis.files import remove_partial, writing
+
+LOCK = "lock"
+"""Name of the lock's file in a folder."""
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -26,17 +29,20 @@ class Interrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def alone(folder: Path) -> Iterator[None]:
-    """Holds the folder's lock, which the system lets go when the process ends, however it does."""
-    lock = FileLock(folder / "lock")
+def locked(folder: Path) -> Iterator[None]:
+    """Holds the folder's lock, which the system releases when the process ends, however it does.
+
+    Raises:
+        ValueError: another process holds it, or the folder cannot be written to.
+    """
+    lock = FileLock(folder / LOCK)
     try:
-        lock.acquire(timeout=0)
+        with writing(folder):
+            lock.acquire(timeout=0)
     except Timeout:
         raise ValueError(
-            f"{folder}: another process trains in it; wait for it, or name another folder"
+            f"{folder}: another process is using it; wait for it, or name another folder"
         ) from None
-    except OSError as error:
-        raise ValueError(f"{folder}: cannot be written ({error.strerror or error})") from None
     try:
         remove_partial(folder)
         yield
@@ -46,11 +52,11 @@ def alone(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def stop_signals() -> Iterator[Callable[[], int]]:
-    """Yields what tells which of Ctrl-C and SIGTERM has come, if one has, and 0 before.
+    """Yields a function that returns the number of the Ctrl-C or SIGTERM received, 0 before any.
 
-    A second one ends the process as it always does.
+    A second signal ends the process as it always does.
     """
-    came = 0
+    received = 0
     if threading.current_thread() is not threading.main_thread():
         yield lambda: 0
         return
@@ -61,13 +67,13 @@ def stop_signals() -> Iterator[Callable[[], int]]:
             signal.signal(number, handler)
 
     def stop(number: int, frame: object) -> None:
-        nonlocal came
-        came = number
+        nonlocal received
+        received = number
         restore()
 
     for number in _SIGNALS:
         signal.signal(number, stop)
     try:
-        yield lambda: came
+        yield lambda: received
     finally:
         restore()
