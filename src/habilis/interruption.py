@@ -36,13 +36,13 @@ def locked(folder: Path) -> Iterator[None]:
         ValueError: another process holds it, or the folder cannot be written to.
     """
     lock = FileLock(folder / LOCK)
-    try:
-        with writing(folder):
+    with writing(folder):
+        try:
             lock.acquire(timeout=0)
-    except Timeout:
-        raise ValueError(
-            f"{folder}: another process is using it; wait for it, or name another folder"
-        ) from None
+        except Timeout:  # an OSError
+            raise ValueError(
+                f"{folder}: another process is using it; wait for it, or name another folder"
+            ) from None
     try:
         remove_partial(folder)
         yield
