@@ -16,7 +16,7 @@ from habilis.cache import cache_folder, kept
 
 PACKAGE = Path(hb.__file__).parent
 
-MAIN = ["-m", "habilis.cli"]
+MAIN = ["-m", "habilis"]
 COMPUTE = """
 import habilis as hb
 from habilis.rewards.cached_tables import kept_empowerment

@@ -31,15 +31,14 @@ def test_the_code_of_a_page_runs_and_prints_what_it_says(page, tmp_path):
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_commands_that_are_not_run_are_commands(page):
-    from habilis.cli import _VERBS
-    from habilis.cli_arguments import parser
+    from habilis.cli import parser
 
     targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
     for block in blocks.blocks(page.read_text("utf-8")):
         if block.language == "sh":
             for line, words in blocks.commands(block):
                 if words[0] == "habilis":
-                    parser(_VERBS).parse_args(words[1:])
+                    parser().parse_args(words[1:])
                 elif words[0] == "make":
                     assert set(words[1:]) <= set(targets), f"{page.name}, line {line}"
                 else:

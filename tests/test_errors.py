@@ -8,8 +8,8 @@ import gymnasium
 import pytest
 
 import habilis as hb
-from habilis.cli import main
-from habilis.cli_arguments import OPTIONS, in_flags
+from habilis.cli import in_flags, main
+from habilis.cli.arguments import OPTIONS
 from habilis.learning.config import Config
 from habilis.learning.folder import load_latest, load_run
 from habilis.worlds.placements import start_of

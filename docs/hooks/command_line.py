@@ -5,8 +5,7 @@ from typing import Any
 
 from mkdocs.structure.pages import Page
 
-from habilis.cli import _VERBS
-from habilis.cli_arguments import parser
+from habilis.cli import parser
 
 _HERE = "<!-- every command -->"
 
@@ -20,7 +19,7 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
 
 def verbs() -> list[ArgumentParser]:
     """A parser for each verb, in their order."""
-    whole = parser(_VERBS)
+    whole = parser()
     (choices,) = (a for a in whole._actions if isinstance(a, _SubParsersAction))
     return list(choices.choices.values())
 

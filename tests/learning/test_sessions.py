@@ -42,7 +42,7 @@ def start(room: Path, folder: Path, *options: str) -> subprocess.Popen:
     command = ["train", str(room), *OPTIONS, "--out", str(folder), *options]
     with open(f"{folder}.err", "w") as said:
         return subprocess.Popen(
-            [sys.executable, "-m", "habilis.cli", *command], stdout=said, stderr=said
+            [sys.executable, "-m", "habilis", *command], stdout=said, stderr=said
         )
 
 
@@ -295,7 +295,7 @@ def test_what_is_not_finite_is_one_line_and_leaves_the_last_good_checkpoint(room
     options = [f"--{name}={value}" for name, value in (settings | limits).items()]
     command = ["train", str(room), *options, "--out", str(folder), "--checkpoint-seconds", "0"]
     done = subprocess.run(
-        [sys.executable, "-m", "habilis.cli", *command], capture_output=True, text=True
+        [sys.executable, "-m", "habilis", *command], capture_output=True, text=True
     )
     assert done.returncode == 2
     found = re.fullmatch(

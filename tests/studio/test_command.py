@@ -12,7 +12,7 @@ from studio import page, scene
 import habilis as hb
 from habilis.cli import main
 
-COMMAND = [sys.executable, "-m", "habilis.cli", "studio", "--no-browser"]
+COMMAND = [sys.executable, "-m", "habilis", "studio", "--no-browser"]
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -12,7 +12,7 @@ from websockets.sync.client import ClientConnection, connect
 
 import habilis as hb
 
-HABILIS = (sys.executable, "-m", "habilis.cli")
+HABILIS = (sys.executable, "-m", "habilis")
 
 
 @contextmanager

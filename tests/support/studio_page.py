@@ -34,7 +34,7 @@ _BITS = re.compile(r"row (\d+), column (\d+): (\S+) bits")
 @contextmanager
 def served(*arguments: str) -> Iterator[str]:
     """A studio of its own; yields its address."""
-    command = [sys.executable, "-m", "habilis.cli", "studio", "--no-browser", "--json"]
+    command = [sys.executable, "-m", "habilis", "studio", "--no-browser", "--json"]
     environment = os.environ | {"PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(
         [*command, *arguments], stdout=subprocess.PIPE, text=True, env=environment

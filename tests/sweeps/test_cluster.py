@@ -81,7 +81,7 @@ def test_a_sweep_outlives_a_node_and_a_driver(room, tmp_path, cluster, capsys):
 
     def start(*options: str) -> subprocess.Popen:
         with said.open("w") as file:
-            whole = [sys.executable, "-m", "habilis.cli", *command, *options]
+            whole = [sys.executable, "-m", "habilis", *command, *options]
             return subprocess.Popen(whole, stdout=file, stderr=file)
 
     def wait_for(process: subprocess.Popen, count: int) -> None:

@@ -57,7 +57,7 @@ def test_a_search_tries_different_points_within_its_ranges(whole):
 
 def test_a_killed_search_goes_on_as_it_would_have(spec, tmp_path, whole):
     folder = tmp_path / "killed"
-    command = [sys.executable, "-m", "habilis.cli", "sweep", str(spec), "--out", str(folder)]
+    command = [sys.executable, "-m", "habilis", "sweep", str(spec), "--out", str(folder)]
     for count in (1, 3):
         with open(tmp_path / "said", "w") as said:
             process = subprocess.Popen([*command, "--resume"], stdout=said, stderr=said)

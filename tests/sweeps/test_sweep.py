@@ -53,7 +53,7 @@ def whole(spec, tmp_path_factory):
 
 
 def start(spec: Path, folder: Path, *options: str) -> subprocess.Popen:
-    command = [sys.executable, "-m", "habilis.cli", "sweep", str(spec), "--out", str(folder)]
+    command = [sys.executable, "-m", "habilis", "sweep", str(spec), "--out", str(folder)]
     with open(f"{folder}.err", "w") as said:
         return subprocess.Popen([*command, *options], stdout=said, stderr=said)
 

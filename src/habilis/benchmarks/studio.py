@@ -63,7 +63,7 @@ def results() -> list[Result]:
 @contextmanager
 def serving() -> Iterator[str]:
     """A studio in a process of its own; yields its address."""
-    command = [sys.executable, "-m", "habilis.cli", "studio", "--no-browser", "--json"]
+    command = [sys.executable, "-m", "habilis", "studio", "--no-browser", "--json"]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         try:

@@ -335,7 +335,7 @@ def test_a_map_in_the_place_of_a_list_is_refused_with_what_the_verb_takes(
 
 
 def test_an_old_version_of_an_environment_is_refused_without_warnings():
-    command = [sys.executable, "-m", "habilis.cli", "empowerment", "gym:Taxi-v3", "--horizon", "1"]
+    command = [sys.executable, "-m", "habilis", "empowerment", "gym:Taxi-v3", "--horizon", "1"]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 2
     assert "Taxi-v4" in done.stderr
@@ -376,7 +376,7 @@ def test_a_full_disk_is_one_line():
 
 
 def test_a_reader_that_goes_away_is_no_error():
-    command = f"{sys.executable} -m habilis.cli empowerment yard --horizon 1 | true"
+    command = f"{sys.executable} -m habilis empowerment yard --horizon 1 | true"
     done = subprocess.run(command, shell=True, stderr=subprocess.PIPE, text=True)
     assert done.stderr == ""
 

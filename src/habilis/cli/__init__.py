@@ -1,0 +1,171 @@
+"""The command line: a module for each verb, with its arguments and the function that runs it."""
+
+import argparse
+import os
+import re
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, NoReturn, Protocol
+
+import habilis
+from habilis.cli import (
+    bench,
+    compare,
+    empowerment,
+    futures,
+    landscape,
+    plot,
+    reconstruct,
+    reproduce,
+    solve,
+    studio,
+    study,
+    sweep,
+    train,
+    watch,
+    worlds,
+)
+from habilis.cli.arguments import OPTIONS, Args
+from habilis.cli.output import check_outputs, refuse
+from habilis.extras import MissingExtraError
+
+
+class Verb(Protocol):
+    """A module of this package.
+
+    Attributes:
+        HELP: what it does, in half a sentence.
+        EXAMPLE: a command that runs.
+    """
+
+    HELP: str
+    EXAMPLE: str
+
+    def add_arguments(self, parser: argparse.ArgumentParser, /) -> None:
+        """Adds its arguments."""
+
+    def run(self, args: Args, /) -> int:
+        """Runs it; returns the exit status."""
+        ...
+
+
+VERBS: dict[str, Verb] = {
+    "worlds": worlds,
+    "solve": solve,
+    "empowerment": empowerment,
+    "landscape": landscape,
+    "futures": futures,
+    "compare": compare,
+    "train": train,
+    "watch": watch,
+    "plot": plot,
+    "sweep": sweep,
+    "reproduce": reproduce,
+    "study": study,
+    "reconstruct": reconstruct,
+    "studio": studio,
+    "bench": bench,
+}
+
+_ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
+_PYTHON_ONLY = ("max_states", "key", "state", "ignore", "factors", "starts", "states")
+"""Arguments that errors of the library name, besides those that are options of the verbs."""
+_QUOTES = "'[]"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command.
+
+    Returns:
+        The exit status: 0 done, 1 the answer is "no" (a goal out of reach, a claim that does
+        not hold), 2 bad input.
+    """
+    flags: dict[str, str] = {}
+    lacks: tuple[str, ...] = ()
+    try:
+        args = parser().parse_args(arguments)
+        flags, lacks = args.flags, getattr(args, "lacks", ())
+        args.command = list(sys.argv[1:] if arguments is None else arguments)
+        check_outputs(args)
+        status = args.verb(args)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:
+        # Whoever reads our output has gone; so that Python does not complain at exit either:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except (ValueError, MissingExtraError, FloatingPointError) as error:
+        return refuse(in_flags(str(error), flags, lacks))
+    except (OSError, OverflowError) as error:
+        return refuse(f"{error}; check the place and the numbers given")
+    except MemoryError:
+        return refuse("not enough memory; make the world or the horizon smaller")
+    except KeyboardInterrupt:
+        return refuse("interrupted", status=130)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    whole = _Parser(prog="habilis", description=_ABOUT)
+    whole.add_argument("--version", action="version", version=habilis.__version__)
+    verbs = whole.add_subparsers(required=True, metavar="VERB", parser_class=_VerbParser)
+    for name, verb in VERBS.items():
+        added = verbs.add_parser(
+            name,
+            help=verb.HELP,
+            description=verb.HELP[0].upper() + verb.HELP[1:] + ".",
+            epilog=f"example: {verb.EXAMPLE}",
+        )
+        added.add_argument("--json", action="store_true", help="print JSON, for machines")
+        verb.add_arguments(added)
+        flags = {a.dest: a.option_strings[0] for a in added._actions if a.option_strings}
+        added.set_defaults(verb=verb.run, flags=flags)
+    return whole
+
+
+class _Parser(argparse.ArgumentParser):
+    """Refuses bad usage in one line, as every other bad input is."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ValueError(f"{message}; see {self.prog} --help")
+
+
+class _VerbParser(_Parser):
+    """Refuses what a verb does not take itself, so that the line names the help of the verb."""
+
+    def parse_known_args(  # pyright: ignore[reportIncompatibleMethodOverride]
+        self, args: Any = None, namespace: Any = None
+    ) -> Any:
+        found, others = super().parse_known_args(args, namespace)
+        if others:
+            self.error(f"unrecognized arguments: {' '.join(others)}")
+        return found, []
+
+
+def in_flags(message: str, flags: Mapping[str, str], lacks: Collection[str] = ()) -> str:
+    """An error of the library as the command line says it: arguments by their options.
+
+    Args:
+        message: names arguments as Python has them, as in `raise max_gib` and `unit='nats'`.
+        flags: the options of the verb, by the names of their arguments.
+        lacks: arguments that its function in Python does not have either.
+
+    Example:
+        >>> in_flags("slip is 2; give slip=0.1 or raise max_gib", {"slip": "--slip"})
+        '--slip is 2; give --slip 0.1 or raise max_gib (in Python)'
+    """
+    names = sorted({*flags, *OPTIONS, *_PYTHON_ONLY}, key=len, reverse=True)
+    every, long = "|".join(names), "|".join(name for name in names if "_" in name)
+    named = re.compile(
+        rf"(?<![\w./-])(?P<given>{every})=(?P<value>'[^']*'|\[[^]]*\]|[\w.]+)?"
+        rf"|(?<![\w./'-])(?P<long>{long})(?![\w./'=])"
+        rf"|(?:^|(?<=: )|(?<=, )|(?<=and )|(?<=but ))(?P<subject>{every})(?= (?:is|has|have) )"
+    )
+
+    def said(found: re.Match[str]) -> str:
+        name = found["given"] or found["long"] or found["subject"]
+        if name in flags:
+            return f"{flags[name]} {(found['value'] or '').strip(_QUOTES)}".rstrip()
+        return found[0] if found["subject"] or name in lacks else f"{found[0]} (in Python)"
+
+    return named.sub(said, message)

@@ -1,0 +1,160 @@
+"""Arguments that several verbs share."""
+
+import argparse
+from typing import Any
+
+from habilis.cli.output import shows_progress
+from habilis.worlds.moving import Where
+from habilis.worlds.reach import MAX_STATES
+from habilis.worlds.world import ENVIRONMENT, Cell, World
+
+Args = argparse.Namespace
+
+PREFIX = ENVIRONMENT
+OPTIONS = (
+    *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
+)
+
+TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
+
+
+def add_world(parser: argparse.ArgumentParser, or_environment: bool = False) -> None:
+    text = "a built-in world or a map file"
+    if or_environment:
+        text += f", or a Gymnasium environment as {PREFIX}FrozenLake-v1?map_name=8x8"
+    parser.add_argument("world", metavar="WORLD", help=text)
+    add_tool(parser)
+
+
+def add_tool(parser: argparse.ArgumentParser) -> None:
+    text = f"{TOOLS}; replaces the tool of the map"
+    parser.add_argument("--tool", metavar="TOOL", help=text)
+
+
+def add_measure(parser: argparse.ArgumentParser) -> None:
+    sensor = "state, agent, tool, object, or one of several as object:can (default state)"
+    parser.add_argument("--sensor", default="state", help=sensor)
+    parser.add_argument("--horizon", type=int, required=True, help="number of actions")
+    parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
+    add_slip(parser)
+
+
+def add_places(parser: argparse.ArgumentParser) -> None:
+    cell: dict[str, Any] = {"type": parse_placed_cell, "metavar": "[NAME=]ROW,COLUMN"}
+    text = "cell of the tool (default: that of the map); one of several as picker=2,6; repeatable"
+    parser.add_argument("--tool-at", action="append", help=text, **cell)
+    text = "cell of the can (default: that of the map); one of several as can=2,6; repeatable"
+    parser.add_argument("--object-at", action="append", help=text, **cell)
+
+
+def add_slip(parser: argparse.ArgumentParser) -> None:
+    slip = "probability that a random action replaces the chosen one (default 0)"
+    parser.add_argument("--slip", type=float, default=0.0, metavar="P", help=slip)
+
+
+def add_unit(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--unit", choices=("bits", "nats"), default="bits", help="unit of all values"
+    )
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Adds `OPTIONS`: arguments of `habilis.empowerment`, under their names."""
+    add_unit(parser)
+    add_tolerance(parser)
+    parser.add_argument(
+        "--method", choices=("exact", "sampled"), default="exact", help="sampled: a lower bound"
+    )
+    parser.add_argument(
+        "--samples",
+        type=int,
+        default=1000,
+        help="number of sampled action sequences (default 1000)",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the samples (default 0)")
+    parser.add_argument("--threads", type=int, help="number of threads (default: all processors)")
+    add_limits(parser)
+
+
+def add_tolerance(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
+
+
+def add_limits(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
+    parser.add_argument(
+        "--max-seconds", type=float, default=3600.0, help="time limit (default 3600)"
+    )
+
+
+def add_most(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--max-states", type=int, metavar="N", help="largest number of states accepted"
+    )
+
+
+def parse_cell(text: str) -> Cell:
+    try:
+        row, column = (int(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a cell; write row,column, as in 2,6"
+        ) from None
+    return row, column
+
+
+def parse_placed_cell(text: str) -> tuple[str, Cell]:
+    """A name, "" if none is given, and its cell."""
+    name, _, cell = text.rpartition("=")
+    return name, parse_cell(cell)
+
+
+def parse_words(text: str) -> list[str]:
+    return [word for word in text.split(",") if word]
+
+
+def parse_positive(text: str) -> float:
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not positive")
+    return value
+
+
+def max_states(args: Args) -> int:
+    return MAX_STATES if args.max_states is None else args.max_states
+
+
+def measure_options(args: Args) -> Any:
+    """The options of the verb that are arguments of `habilis.empowerment`."""
+    given = {name: getattr(args, name) for name in OPTIONS if name in args}
+    return given | {"show_progress": shows_progress(args)}
+
+
+def cells_of(world: World, kind: str, places: list[tuple[str, Cell]] | None) -> Where | None:
+    """Cells by name, or the cell of the only tool or object."""
+    if places is None:
+        return None
+    if kind == "tool" and not world.tools:
+        raise ValueError(f"{world.name} has no tool here; leave out --tool-at, or give --tool")
+    where: dict[str, Cell] = {}
+    for name, cell in places:
+        if name in where:
+            raise ValueError(f"--{kind}-at has {name or 'the ' + kind} twice; give it one cell")
+        where[name] = cell
+    if "" not in where:
+        return where
+    if len(where) > 1:
+        raise ValueError(f"--{kind}-at has {where['']} without a name; say which, as NAME=1,2")
+    return where[""]
+
+
+def action_indices(text: str) -> list[int] | None:
+    named = {"all": None, "moves": [0, 1, 2, 3], "tool": [4, 5, 6, 7]}
+    if text in named:
+        return named[text]
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(
+            f"--actions {text!r} is unknown; use all, moves, tool, or indices as 0,1,2"
+        ) from None

@@ -1,0 +1,24 @@
+"""`habilis bench`: benchmarks."""
+
+import argparse
+
+from habilis.cli.arguments import Args
+from habilis.cli.output import print_json
+
+HELP: str = "measure our speed beside the alternatives"
+EXAMPLE: str = "habilis bench empowerment"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("what", nargs="*", metavar="WHAT", help="which benchmarks (default all)")
+
+
+def run(args: Args) -> int:
+    from habilis.benchmarks import run_benchmarks
+
+    results = run_benchmarks(args.what)
+    if args.json:
+        return print_json({"results": [result.as_dict() for result in results]})
+    for result in results:
+        print(result)
+    return 0

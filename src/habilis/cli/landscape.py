@@ -1,0 +1,61 @@
+"""`habilis landscape`: empowerment for every agent cell."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from habilis.cli.arguments import (
+    Args,
+    action_indices,
+    add_measure,
+    add_options,
+    add_places,
+    add_world,
+    cells_of,
+    measure_options,
+)
+from habilis.cli.output import print_json, save, shows_progress
+from habilis.files import PICTURES, TABLES
+from habilis.progress import progress_bar
+from habilis.worlds.world import load_world
+
+HELP: str = "empowerment for every agent cell, everything else as on the map"
+EXAMPLE: str = "habilis landscape corridor --sensor object --horizon 6 --out landscape.png"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_world(parser)
+    add_measure(parser)
+    add_options(parser)
+    add_places(parser)
+    kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
+    parser.add_argument("--out", type=Path, metavar="F.png", help=kinds)
+    parser.set_defaults(writes={"out": (*PICTURES, *TABLES)})
+
+
+def run(args: Args) -> int:
+    from habilis.analysis.landscape import landscape as measure
+
+    world = load_world(args.world, args.tool)
+    found = measure(
+        world,
+        args.horizon,
+        args.sensor,
+        action_indices(args.actions),
+        slip=args.slip,
+        tool=cells_of(world, "tool", args.tool_at),
+        object=cells_of(world, "object", args.object_at),
+        **measure_options(args),
+    )
+    if args.out is not None:
+        with progress_bar("drawing", shows_progress(args)):
+            save(args.out, found.save)
+    if args.json:
+        rows = [[None if np.isnan(v) else v for v in row] for row in found.values.tolist()]
+        return print_json({"values": rows})
+    for row in found.values:
+        print(" ".join("    ." if np.isnan(value) else f"{value:5.2f}" for value in row))
+    if args.out is not None:
+        print(f"written: {args.out}")
+    return 0

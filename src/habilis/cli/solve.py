@@ -1,0 +1,37 @@
+"""`habilis solve`: a shortest plan."""
+
+import argparse
+
+import habilis
+from habilis.cli.arguments import Args, add_most, add_world, max_states
+from habilis.cli.output import print_json, shows_progress
+from habilis.progress import progress_bar
+from habilis.worlds.plans import check_certain
+from habilis.worlds.world import load_world
+
+HELP: str = "find a shortest plan"
+EXAMPLE: str = "habilis solve corridor --tool none"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_world(parser)
+    add_most(parser)
+
+
+def run(args: Args) -> int:
+    world = check_certain(load_world(args.world, args.tool))
+    mdp = habilis.tabulate(world, max_states=max_states(args), show_progress=shows_progress(args))
+    with progress_bar("solving", shows_progress(args)):
+        plan = habilis.solve(mdp)
+    if args.json:
+        print_json(
+            {"steps": None, "return": None, "actions": None}
+            if plan is None
+            else {"steps": plan.steps, "return": plan.best_return, "actions": list(plan.actions)}
+        )
+    elif plan is None:
+        print("the goal is out of reach")
+    else:
+        print(f"{plan.steps} steps, return {plan.best_return:g}")
+        print(", ".join(mdp.actions[action] for action in plan.actions))
+    return 1 if plan is None else 0

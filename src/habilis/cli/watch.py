@@ -1,0 +1,93 @@
+"""`habilis watch`: an episode of a trained agent."""
+
+import argparse
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from habilis.cli.arguments import Args, parse_positive
+from habilis.cli.output import console, print_json, save, shows_progress
+from habilis.extras import import_from
+from habilis.files import FILMS
+from habilis.progress import progress_bar
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.text import Text
+
+HELP: str = "replay what an agent learned"
+EXAMPLE: str = "habilis watch runs/toe --run 2 --gif toe.gif"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
+    parser.add_argument("--run", type=int, default=0, help="index of the run (default 0)")
+    seed = "seed of random outcomes in a stochastic world (default 0)"
+    parser.add_argument("--seed", type=int, default=0, help=seed)
+    parser.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
+    parser.add_argument("--mp4", type=Path, metavar="F.mp4", help="or as a video (extra [video])")
+    parser.set_defaults(writes={"gif": FILMS[:1], "mp4": FILMS[1:]})
+    parser.add_argument(
+        "--speed", type=parse_positive, default=4.0, help="steps per second (default 4)"
+    )
+
+
+def run(args: Args) -> int:
+    from habilis.worlds.pictures.figures import colored_text
+    from habilis.worlds.pictures.video import check_video, save_gif, save_mp4
+    from habilis.worlds.table import placement
+
+    if args.mp4:
+        check_video()
+    folder = import_from("habilis.learning.folder", "learn")
+    replay = import_from("habilis.learning.replay", "learn")
+    ended = folder.is_finished(args.folder)
+    run = folder.load_latest(args.folder)
+    episode = replay.play(run, args.run, seed=args.seed)
+    mdp = replay.table_of(run)
+    by_chance = mdp.is_stochastic
+    shares = replay.success(run, args.run) if run.config.starts or by_chance else None
+    frames = [placement(run.world, mdp, state) for state in episode.states]
+    films = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
+    for path, write in films:
+        with progress_bar("drawing", shows_progress(args)):
+            save(path, partial(write, frames))
+    trained = int((run.episodes["run"] == args.run).sum())
+    if args.json:
+        print_json(
+            {"steps": len(episode.actions), "return": episode.episode_return}
+            | {"finished": episode.finished, "actions": list(episode.actions)}
+            | {"run": args.run, "episodes": trained, "ended": ended}
+            | ({} if shares is None else {"success": shares._asdict()})
+        )
+        return 0 if episode.finished else 1
+    screen = console()
+    if screen.is_terminal:
+        _animate(screen, [colored_text(frame) for frame in frames], 1 / args.speed)
+    else:
+        screen.print(colored_text(frames[-1]))
+    print(", ".join(mdp.actions[action] for action in episode.actions))
+    failed = "the goal is not reached" if by_chance else "the policy goes round in circles"
+    end = "the goal is reached" if episode.finished else failed
+    print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
+    so_far = "" if ended else ", as the last checkpoint has it: training has not ended"
+    print(f"run {args.run} after {trained:,} episodes{so_far}")
+    if shares is not None:
+        unseen = "" if shares.unseen is None else f", {shares.unseen:.0%} of those held out"
+        several = bool(run.config.starts)
+        word, whole = ("from", "the starts trained from") if several else ("in", "all episodes")
+        print(f"reaches the goal {word} {shares.seen:.0%} of {whole}{unseen}")
+    for path, _ in films:
+        print(f"film: {path}")
+    return 0 if episode.finished else 1
+
+
+def _animate(screen: "Console", frames: "list[Text]", seconds: float) -> None:
+    import time
+
+    from rich.live import Live
+
+    with Live(frames[0], console=screen, auto_refresh=False) as live:
+        for frame in frames:
+            live.update(frame, refresh=True)
+            time.sleep(seconds)

@@ -1,0 +1,55 @@
+"""`habilis worlds`: the built-in worlds."""
+
+import argparse
+from pathlib import Path
+
+from habilis.cli.arguments import Args, add_tool
+from habilis.cli.output import console, print_json, save, shows_progress
+from habilis.files import PICTURES
+from habilis.progress import progress_bar
+from habilis.worlds.map_writing import header_of
+from habilis.worlds.world import load_world, world_names
+
+HELP: str = "list the built-in worlds, or draw one"
+EXAMPLE: str = "habilis worlds yard --tool broom"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", nargs="?", metavar="NAME", help="a built-in world or a map file")
+    add_tool(parser)
+    parser.add_argument("--out", type=Path, metavar="F.png", help="picture (.png, .svg, .pdf)")
+    parser.set_defaults(writes={"out": PICTURES})
+
+
+def run(args: Args) -> int:
+    if args.name is None:
+        if args.tool is not None or args.out is not None:
+            raise ValueError("no world to draw; give its name besides --tool or --out")
+        listed = [load_world(name) for name in world_names()]
+        if args.json:
+            return print_json({"worlds": [world.name for world in listed]})
+        for world in listed:
+            print(f"{world.name}: {world.height} x {world.width} cells, tool {world.tool}")
+        return 0
+    world = load_world(args.name, args.tool)
+    if args.out is not None:
+        from habilis.worlds.pictures.figures import save_picture
+
+        with progress_bar("drawing", shows_progress(args)):
+            save(args.out, lambda path: save_picture(world, path))
+    header = header_of(world)
+    if args.json:
+        told = {"name": world.name, "height": world.height, "width": world.width}
+        told |= {"tool": world.tool, "map": list(world.rows)}
+        if header:
+            told |= {"header": header}
+        if world.several:
+            told |= {"tools": [tool.name for tool in world.tools]}
+            told |= {"objects": [thing.name for thing in world.objects]}
+        return print_json(told)
+    from habilis.worlds.pictures.figures import colored_text
+
+    for line in header:
+        print(line)
+    console().print(colored_text(world))
+    return 0
