@@ -18,7 +18,7 @@ test-studio: $(INSTALLED) studio/node_modules
 
 # The three studies of `habilis study` from end to end, with next to no training: a minute.
 test-studies: $(INSTALLED)
-	HABILIS_STUDIES=1 $(BIN)/python -m pytest tests/studies/test_learners.py
+	HABILIS_STUDIES=1 $(BIN)/python -m pytest tests/studies/bonuses/test_studies.py
 
 # With torch, Stable-Baselines3 and gymnax, in an environment of their own.
 test-integration: $(APART)/installed
@@ -32,7 +32,7 @@ quick: $(INSTALLED)
 
 # The second part of the report: docs/multiverse. Under an hour; goes on where it was stopped.
 multiverse: $(INSTALLED)
-	$(BIN)/python -m habilis.studies.multiverse --out docs/multiverse --work multiverse
+	$(BIN)/python -m research.multiverse --out docs/multiverse --work multiverse
 
 # Learning to choose: docs/studies. A quarter of an hour; goes on where it was stopped.
 studies: $(INSTALLED)
@@ -56,12 +56,12 @@ docs: $(INSTALLED)
 
 # Chooses the A2C settings of the paper's tables anew, on the vanilla rows alone. Half an hour.
 calibrate: $(INSTALLED)
-	$(BIN)/python -m habilis.studies.calibrate
+	$(BIN)/python -m research.calibration
 
 # The calibration at the paper's pace, its first stage: research/README.md has the others. Many hours
 # on two processors; goes on where it was stopped.
 pace: $(INSTALLED)
-	$(BIN)/python research/pace/runs.py screen --out src/habilis/studies/data/pace/screen.csv
+	$(BIN)/python -m research.pace.runs screen --out src/habilis/studies/data/pace/screen.csv
 
 # Searches for the other maps in src/habilis/studies/data/maps anew: 12 of each kind, the later ones by
 # lists that have more of what the paper states. An hour.
@@ -74,7 +74,7 @@ reconstruct: $(INSTALLED)
 # A search under each reading of the rules: research/results/readings.csv. Half an hour; goes on where it
 # was stopped.
 readings: $(INSTALLED)
-	$(BIN)/python research/readings.py
+	$(BIN)/python -m research.readings
 
 # Every small environment of Minigrid and toy-text, by ours and by a search of its own: the table in
 # docs/explanation/is-it-right.md. An hour; goes on where it was stopped.

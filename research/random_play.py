@@ -1,6 +1,6 @@
 """How far random play gets in each world of the second experiment, exactly.
 
-    python research/random_play.py        # writes research/results/random_play.csv
+    python -m research.random_play        # writes research/results/random_play.csv
 
 A vanilla agent begins as a random one. If random play nearly never reaches the goal within an
 episode, or nearly always brings the can to where the tool cannot fetch it, there is nothing to
@@ -15,7 +15,7 @@ from scipy.sparse import csr_array
 
 from habilis.files import write_whole
 from habilis.mdp import TabularMDP
-from habilis.studies.settings import MAPS
+from habilis.studies.maps import MAPS
 from habilis.worlds.plans import distances
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import load_world

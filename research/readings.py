@@ -6,7 +6,7 @@ built-in map that meets most under our own reading, all of the same number of ch
 searched for is all that the paper states of a map (`corridor-all.toml`, `yard-all.toml`); then the
 map that came closest is held against the paper's statements in words.
 
-    python research/readings.py      # goes on where it was stopped; see --help
+    python -m research.readings      # goes on where it was stopped; see --help
 """
 
 import argparse
@@ -20,11 +20,11 @@ from typing import Any
 import polars as pl
 
 from habilis.files import write_whole
-from habilis.studies import first_statements, second_statements
-from habilis.studies.published import EXPERIMENTS, Experiment
+from habilis.studies.paper import corridor_statements, yard_statements
+from habilis.studies.paper.published import EXPERIMENTS, Experiment
+from habilis.studies.paper.targets import TargetMap, load_targets
+from habilis.studies.paper.worlds import OVER, CachedWorld, PaperWorlds
 from habilis.studies.reconstruction.annealing import Schedule, anneal
-from habilis.studies.scenes import OVER, Pair, Scene
-from habilis.studies.stated import StatedMap, load_stated
 from habilis.worlds.tools import Reading
 from habilis.worlds.world import World, load_world
 
@@ -48,14 +48,14 @@ def tasks() -> Iterator[dict[str, Any]]:
     for over, reading, experiment in product(OVER, READINGS, EXPERIMENTS):
         for start in (RANDOM, experiment.world):
             words = reading.words or "ours"
-            yield dict(zip(KEYS, (over, words, experiment.stated, start, SEED), strict=True))
+            yield dict(zip(KEYS, (over, words, experiment.targets, start, SEED), strict=True))
 
 
 def attempt(task: dict[str, Any], changes: int) -> dict[str, Any]:
     """One attempt, and what its best map meets."""
-    experiment = next(e for e in EXPERIMENTS if e.stated == task["experiment"])
+    experiment = next(e for e in EXPERIMENTS if e.targets == task["experiment"])
     reading = Reading.of(f" {task['reading']}")[1]
-    stated = replace(load_stated(f"{experiment.stated}-all"), reading=reading, over=task["over"])
+    stated = replace(load_targets(f"{experiment.targets}-all"), reading=reading, over=task["over"])
     begin = None if task["start"] == RANDOM else load_world(task["start"])
     schedule = Schedule(changes, _HOT.get(task["start"], _WARM))
     random = Random("-".join(map(str, task.values())))
@@ -76,15 +76,15 @@ def attempt(task: dict[str, Any], changes: int) -> dict[str, Any]:
     }
 
 
-def held(world: World, experiment: Experiment, stated: StatedMap) -> tuple[int, list[str]]:
+def held(world: World, experiment: Experiment, stated: TargetMap) -> tuple[int, list[str]]:
     """How many of the paper's statements hold in a map, and the names of those that do not."""
     worlds = {
-        e.stated: Scene(replace(load_world(e.world), reading=stated.reading), stated.over)
+        e.targets: CachedWorld(replace(load_world(e.world), reading=stated.reading), stated.over)
         for e in EXPERIMENTS
     }
-    worlds[experiment.stated] = Scene(world, stated.over)
-    module = {"corridor": first_statements, "yard": second_statements}[experiment.stated]
-    lost = [check.__name__ for check in module.CHECKS if not check(Pair(**worlds)).holds]
+    worlds[experiment.targets] = CachedWorld(world, stated.over)
+    module = {"corridor": corridor_statements, "yard": yard_statements}[experiment.targets]
+    lost = [check.__name__ for check in module.CHECKS if not check(PaperWorlds(**worlds)).holds]
     return len(module.CHECKS) - len(lost), lost
 
 

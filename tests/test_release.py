@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 import yaml
-from studio import page, scene, studio
 
 import habilis
+from studio import page, scene, studio
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "src" / "habilis" / "studio" / "page"

@@ -6,7 +6,7 @@ have thirty settings each; fourteen more are drawn, with six settings each; and 
 presets of `habilis.learning.presets`. Everything is drawn from one seed, so that the list is the
 same everywhere.
 
-    python research/pace/design.py      # prints it
+    python -m research.pace.design      # prints it
 """
 
 from typing import Any

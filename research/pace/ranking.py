@@ -1,7 +1,7 @@
 """Ranks what was calibrated, and freezes the best pairs of a learner and maps.
 
-    python research/pace/ranking.py screen.csv
-    python research/pace/ranking.py confirm.csv --freeze pairs.toml
+    python -m research.pace.ranking screen.csv
+    python -m research.pace.ranking confirm.csv --freeze pairs.toml
 
 First comes the number of runs that converged in the worst of the three vanilla rows, then how near
 the rows come to the published ones,
@@ -21,11 +21,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from design import settings
-from runs import SCREEN, Done, Line, read
 
 from habilis.files import write_whole
-from habilis.studies.published import EXPERIMENTS
+from habilis.studies.paper.published import EXPERIMENTS
+from research.pace.design import settings
+from research.pace.runs import SCREEN, Done, Line, read
 
 PAIRS = 5
 _LEAST = 1.0  # episodes of deviation, where all runs are alike

@@ -1,10 +1,10 @@
 """Trains the agents of the calibration; what they did goes into a file of comma-separated values.
 
-    python research/pace/runs.py screen --out screen.csv                 # everything: many hours
-    python research/pace/runs.py screen --parts 0 --out screen-0.csv     # one structure
-    python research/pace/runs.py confirm --settings 3,14 --out confirm.csv
-    python research/pace/runs.py ensemble --out ensemble.csv
-    python research/pace/runs.py thirty --out thirty.csv
+    python -m research.pace.runs screen --out screen.csv                 # everything: many hours
+    python -m research.pace.runs screen --parts 0 --out screen-0.csv     # one structure
+    python -m research.pace.runs confirm --settings 3,14 --out confirm.csv
+    python -m research.pace.runs ensemble --out ensemble.csv
+    python -m research.pace.runs thirty --out thirty.csv
 
 The first two train vanilla agents alone; the others need the frozen pairs of `ranking.py`, whose
 agents they train, those with a bonus too. A file is added to, and what it has is not trained again:
@@ -20,15 +20,16 @@ from typing import Any
 
 import jax
 import numpy as np
-from design import Setting, parts, settings
 
 from habilis.files import write_whole
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
+from habilis.studies.maps import MAPS, world_source
 from habilis.studies.pace.data import Pair, load_pace
-from habilis.studies.published import EXPERIMENTS, FIRST_WORLD, REWARDS
-from habilis.studies.settings import FAST_MAPS, MAPS, row_config
+from habilis.studies.paper.published import EXPERIMENTS, FIRST_WORLD, REWARDS
+from habilis.studies.paper.settings import FAST_MAPS, row_config
+from research.pace.design import Setting, parts, settings
 
 SCREEN: Setting = {"runs": 5, "seed": 31_001, "episodes": 1_000_000, "steps": 15_000_000}
 CONFIRM: Setting = {"runs": 10, "seed": 32_001, "episodes": 1_000_000, "steps": 15_000_000}
@@ -115,8 +116,7 @@ def trained(
     todo = [n for n in numbers if (n, world, tool) not in done]
     if not todo or stopped():
         return done
-    path = MAPS / f"{world}.txt"
-    place = str(path) if path.exists() else world
+    place = world_source(world)
     every = settings()
     jobs = [
         Job.of(i, Config.from_dict(every[n] | budget | {"world": place, "tool": tool}))

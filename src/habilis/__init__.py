@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from habilis.learning.config import Config as Config
     from habilis.learning.presets import preset as preset
     from habilis.learning.train import train as train
-    from habilis.studies.reproduce import reproduce as reproduce
+    from habilis.studies.reproduction.reproduce import reproduce as reproduce
     from habilis.worlds.pictures.video import save_film as save_film
 
 __version__ = "0.1.0"
@@ -88,7 +88,7 @@ _LAZY = {  # imported on first use: by name, the module, and the extra that it n
     "Config": ("habilis.learning.config", "learn"),
     "preset": ("habilis.learning.presets", "learn"),
     "train": ("habilis.learning.train", "learn"),
-    "reproduce": ("habilis.studies.reproduce", "learn"),
+    "reproduce": ("habilis.studies.reproduction.reproduce", "learn"),
 }
 
 if find_spec("gymnasium") is not None:

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-import random_play
 
 from habilis.mdp import TabularMDP
-from habilis.studies.measured import measured
-from habilis.studies.scenes import Scene
-from habilis.studies.stated import load_stated
+from habilis.studies.paper.numbers import measure
+from habilis.studies.paper.targets import load_targets
+from habilis.studies.paper.worlds import CachedWorld
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world
+from research import random_play
 
 RESEARCH = Path(__file__).parents[2] / "research"
 
@@ -35,7 +35,7 @@ def test_the_results_are_those_of_the_maps(tool):
 
 def test_a_yard_in_which_a_picker_pushes_and_sweeps_meets_all_numbers():
     path = RESEARCH / "results" / "yard-pushes-sweeps.txt"
-    scene = Scene(World.parse(path.read_text(), "yard"))
-    numbers = load_stated("yard-all").numbers
+    scene = CachedWorld(World.parse(path.read_text(), "yard"))
+    numbers = load_targets("yard-all").numbers
     assert len(numbers) == 11
-    assert [n.text for n in numbers if n.miss(measured(scene, n))] == []
+    assert [n.text for n in numbers if n.miss(measure(scene, n))] == []

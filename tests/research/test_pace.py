@@ -4,15 +4,13 @@ import hashlib
 import json
 from pathlib import Path
 
-import design
 import numpy as np
 import pytest
-import ranking
-import runs
 
 from habilis.learning.config import Config
 from habilis.learning.lanes import Program
 from habilis.studies.pace.data import load_pace
+from research.pace import design, ranking, runs
 
 FIRST = {"envs": 4, "rollout": 5, "hidden": (4,), "episode_limit": 20}
 

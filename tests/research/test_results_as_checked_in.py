@@ -4,19 +4,18 @@ from pathlib import Path
 
 import polars as pl
 import pytest
-import ranking
-import runs
 from polars.testing import assert_frame_equal
 
-from habilis.studies.multiverse import claims, study
 from habilis.studies.pace.data import FOLDER
+from research.multiverse import claims, study
+from research.pace import ranking, runs
 
 DOCS = Path(__file__).parents[2] / "docs" / "multiverse"
 RUNS = pl.read_csv(DOCS / "runs.csv", infer_schema_length=None)
 
 
 def agrees(found: pl.DataFrame, wanted: pl.DataFrame) -> None:
-    assert_frame_equal(found, wanted.cast(dict(found.schema)), rel_tol=1e-12)
+    assert_frame_equal(found, wanted.cast(found.schema), rel_tol=1e-12)
 
 
 @pytest.mark.parametrize(

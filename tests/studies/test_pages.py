@@ -8,7 +8,7 @@ from playwright.sync_api import sync_playwright
 from reproductions import reproduction
 from studio_page import CHROMIUM, OPTIONS
 
-import habilis.studies.reproduce as reproduce_module
+import habilis.studies.reproduction.reproduce as reproduce_module
 from habilis.studies.pace.data import load_pace
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="apt-get install chromium")

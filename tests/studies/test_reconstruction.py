@@ -2,20 +2,21 @@
 
 import json
 from itertools import combinations, islice
+from pathlib import Path
 from random import Random
 
 import pytest
 
 from habilis.cli import main
-from habilis.studies.maps import other_maps
-from habilis.studies.measured import measured
+from habilis.studies.maps import map_names, world_source
+from habilis.studies.paper.numbers import measure
+from habilis.studies.paper.targets import load_targets, parse_targets, target_names
+from habilis.studies.paper.worlds import CachedWorld
 from habilis.studies.reconstruction.annealing import Schedule
 from habilis.studies.reconstruction.energy import weigh
 from habilis.studies.reconstruction.moves import neighbour, random_map
 from habilis.studies.reconstruction.search import LEAST_DIFFERENCE, attempts
 from habilis.studies.reconstruction.shapes import difference, one_room, walls_alone
-from habilis.studies.scenes import Scene
-from habilis.studies.stated import load_stated, parse_stated, stated_names
 from habilis.worlds.tools import Reading
 from habilis.worlds.world import World, load_world
 
@@ -41,12 +42,18 @@ tolerance = 0.05
 """
 
 EXPERIMENTS = ("corridor", "yard")
-MAPS = [world for name in EXPERIMENTS for world in other_maps(name)]
+
+
+def maps_of(experiment):
+    return [load_world(world_source(name)) for name in map_names(experiment)]
+
+
+MAPS = [world for name in EXPERIMENTS for world in maps_of(name)]
 
 
 @pytest.mark.parametrize(("experiment", "least"), [("corridor", 12), ("yard", 10)])
 def test_there_are_many_other_maps_numbered_on(experiment, least):
-    names = [world.name for world in other_maps(experiment)]
+    names = map_names(experiment)
     assert len(names) >= least
     assert names == [f"{experiment}-{number:02}" for number in range(1, len(names) + 1)]
 
@@ -60,17 +67,17 @@ def list_of(name):
     return first if int(number) <= {"corridor": 8, "yard": 6}[experiment] else later
 
 
-@pytest.mark.parametrize("world", MAPS, ids=lambda world: world.name)
+@pytest.mark.parametrize("world", MAPS, ids=lambda world: Path(world.name).stem)
 def test_a_map_found_meets_every_stated_number(world):
-    scene = Scene(world)
-    for stated in load_stated(list_of(world.name)).numbers:
-        found = measured(scene, stated)
+    scene = CachedWorld(world)
+    for stated in load_targets(list_of(Path(world.name).stem)).numbers:
+        found = measure(scene, stated)
         assert stated.miss(found) == 0, f"{stated.text}: {stated.published}, found {found}"
 
 
 @pytest.mark.parametrize("experiment", EXPERIMENTS)
 def test_the_maps_differ_from_the_built_in_ones_and_from_each_other(experiment):
-    maps = [load_world(experiment), load_world(f"{experiment}-b"), *other_maps(experiment)]
+    maps = [load_world(experiment), load_world(f"{experiment}-b"), *maps_of(experiment)]
     for one, other in combinations(maps, 2):
         assert difference(one, other) >= LEAST_DIFFERENCE, f"{one.name}, {other.name}"
 
@@ -92,7 +99,7 @@ def test_rooms_and_walls_alone_are_told():
 
 def test_changes_keep_one_room_and_lead_anywhere():
     random = Random(1)
-    stated = load_stated("corridor")
+    stated = load_targets("corridor")
     world = begun = random_map(stated, random)
     for _ in range(300):
         after = neighbour(world, random)
@@ -105,11 +112,11 @@ def test_changes_keep_one_room_and_lead_anywhere():
 
 @pytest.mark.parametrize(
     ("name", "over"),
-    [*((name, "equipped") for name in stated_names()), ("yard", "reachable"), ("yard", "all")],
+    [*((name, "equipped") for name in target_names()), ("yard", "reachable"), ("yard", "all")],
 )
 def test_what_is_not_computed_again_has_not_changed(name, over):
-    random, numbers = Random(2), load_stated(name).numbers
-    here = weigh(random_map(load_stated(name), random), numbers, over=over)
+    random, numbers = Random(2), load_targets(name).numbers
+    here = weigh(random_map(load_targets(name), random), numbers, over=over)
     assert here is not None
     for _ in range(12):
         world = neighbour(here.world, random)
@@ -124,7 +131,7 @@ def test_what_is_not_computed_again_has_not_changed(name, over):
 
 
 def test_the_search_finds_an_easy_target_and_the_same_again():
-    stated = parse_stated(EASY, "easy")
+    stated = parse_targets(EASY, "easy")
 
     def found(seed):
         tried = islice(attempts(stated, seed, schedule=Schedule(changes=500)), 3)
@@ -133,21 +140,21 @@ def test_the_search_finds_an_easy_target_and_the_same_again():
     maps = found(0)
     assert maps
     for text in maps:
-        scene = Scene(World.parse(text))
-        assert all(number.miss(measured(scene, number)) == 0 for number in stated.numbers)
+        scene = CachedWorld(World.parse(text))
+        assert all(number.miss(measure(scene, number)) == 0 for number in stated.numbers)
     assert found(0) == maps
     assert found(1) != maps
 
 
 def test_a_search_goes_on_with_a_later_attempt_as_it_would_have():
-    stated, schedule = parse_stated(EASY, "easy"), Schedule(changes=40)
+    stated, schedule = parse_targets(EASY, "easy"), Schedule(changes=40)
     whole = [a.best.world for a in islice(attempts(stated, 0, schedule=schedule), 3)]
     rest = [a.best.world for a in islice(attempts(stated, 0, schedule=schedule, first=2), 2)]
     assert whole[1:] == rest
 
 
 def test_a_map_too_like_a_known_one_does_not_count():
-    stated = parse_stated(EASY, "easy")
+    stated = parse_targets(EASY, "easy")
     first = next(a for a in attempts(stated, 0, schedule=Schedule(changes=500)) if a.found)
     known = [first.best.world]
     stays = attempts(stated, 0, known, begin=first.best.world, schedule=Schedule(changes=1))
@@ -196,7 +203,7 @@ def test_the_command_searches_under_another_reading(tmp_path, capsys):
     path = tmp_path / "maps" / "easy-01.txt"
     world = load_world(path)
     assert world.reading == Reading(pushes=True, sweeps=True)
-    assert found["numbers"]["average"] == Scene(world, "reachable").average(2)
+    assert found["numbers"]["average"] == CachedWorld(world, "reachable").average(2)
     assert '--reading "pushes sweeps" --over reachable' in path.read_text()
 
 

@@ -9,13 +9,13 @@ import polars as pl
 import pytest
 from polars.testing import assert_frame_equal
 
-from habilis.studies.comparing.analysis import comparisons, sentences, summary
-from habilis.studies.learners import STUDIES
+from habilis.studies.bonuses.analysis import comparisons, sentences, summary
+from habilis.studies.bonuses.run import STUDIES
 from habilis.studies.pace.data import load_pace
 from habilis.studies.pace.ratios import one_by_one
 from habilis.studies.pace.slowness import association
-from habilis.studies.published import EXPERIMENTS
-from habilis.studies.tables import Result, table
+from habilis.studies.paper.published import EXPERIMENTS
+from habilis.studies.paper.tables import Result, table
 
 DOCS = Path(__file__).parents[2] / "docs"
 PACE = load_pace()

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from studio import page, printing_rake, scene, studio
 
 import habilis as hb
 from habilis.analysis.averages import compare
@@ -13,6 +12,7 @@ from habilis.analysis.futures import futures
 from habilis.analysis.usefulness import usefulness
 from habilis.studio.drawn import world_of
 from habilis.worlds.tools import TOOLS
+from studio import page, printing_rake, scene, studio
 
 WALLED = hb.World.parse("AP...\n.#C..\n.#..#\n....G", "map")
 

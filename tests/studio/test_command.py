@@ -7,10 +7,10 @@ import sys
 import urllib.request
 
 import pytest
-from studio import page, scene
 
 import habilis as hb
 from habilis.cli import main
+from studio import page, scene
 
 COMMAND = [sys.executable, "-m", "habilis", "studio", "--no-browser"]
 

@@ -6,11 +6,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from studio import Page, page, scene, studio
 
 import habilis as hb
 from habilis.studio.limits import LISTED
 from habilis.studio.training import Trainings
+from studio import Page, page, scene, studio
 
 SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")
 SETTINGS = {"intrinsic": "object", "horizon": 2, "beta": 0.1, "runs": 2, "episodes": 400, "seed": 3}

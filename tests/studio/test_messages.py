@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from studio import page, scene, studio
 from websockets.exceptions import ConnectionClosed
 
 import habilis as hb
 from habilis.studio.limits import CLIENTS, MESSAGE
 from habilis.studio.messages import _SETTINGS, MessageError, Request, read
 from habilis.studio.training import Trainings
+from studio import page, scene, studio
 
 TOOLS = ("picker", "broom")
 SCENE = scene(hb.load_world("yard"), sensor="object", horizon=2, slip=0.0, actions="all", cells=[])

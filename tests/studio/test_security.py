@@ -5,10 +5,10 @@ from contextlib import closing
 from urllib.parse import urlsplit
 
 import pytest
-from studio import page, studio
 from websockets.exceptions import InvalidStatus
 
 from habilis.studio.security import Access, is_loopback
+from studio import page, studio
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from studio import scene
 
 import habilis as hb
 from habilis.analysis.averages import compare
@@ -12,6 +11,7 @@ from habilis.studio.drawn import described, world_of
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import reachable
 from habilis.worlds.tools import TOOLS
+from studio import scene
 
 WORLD = hb.World.parse(
     "R = rake\nD = ball\nH = goal of D\nG = goal of C\ndrop: true\nAP...\n.#C..\n.D..R\n.H..G",

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studio import page, printing_rake, scene, studio
 
 import habilis as hb
 from habilis.learning.curves import learning_curve
@@ -21,6 +20,7 @@ from habilis.studio.limits import TRAINING
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement
 from habilis.worlds.tools import TOOLS
+from studio import page, printing_rake, scene, studio
 
 SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")
 SETTINGS = {"intrinsic": "object", "horizon": 2, "beta": 0.1, "runs": 2, "episodes": 400, "seed": 3}

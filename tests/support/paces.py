@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from habilis.studies.published import EXPERIMENTS, REWARDS
+from habilis.studies.paper.published import EXPERIMENTS, REWARDS
 
 LEARNERS = ("fast default", "A2C", "PPO", "Q-learning", "RMSprop")
 

@@ -6,14 +6,13 @@ import numpy as np
 import polars as pl
 
 from habilis.learning.runs import Run
-from habilis.studies.learned import learned_claims
-from habilis.studies.numbers import published_numbers
-from habilis.studies.outcome import Reproduction
 from habilis.studies.pace.data import Pace
-from habilis.studies.published import EXPERIMENTS, Experiment, Row
-from habilis.studies.settings import FULL, row_config
-from habilis.studies.statements import stated_relations
-from habilis.studies.tables import Result
+from habilis.studies.paper.agent_claims import learned_claims
+from habilis.studies.paper.numbers import published_numbers, published_statements
+from habilis.studies.paper.published import EXPERIMENTS, Experiment, Row
+from habilis.studies.paper.settings import FULL, row_config
+from habilis.studies.paper.tables import Result
+from habilis.studies.reproduction.outcome import Reproduction
 from habilis.worlds.world import load_world
 
 
@@ -27,7 +26,7 @@ def reproduction(folder: Path, pace: Pace, scale: float = 1.0, seed: int = 0) ->
     return Reproduction(
         folder=folder,
         numbers=published_numbers(),
-        relations=stated_relations(),
+        relations=published_statements(),
         learned=learned_claims(results, pace.ensemble),
         results=results,
         pace=pace,

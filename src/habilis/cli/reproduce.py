@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Args) -> int:
-    study = import_from("habilis.studies.reproduce", "learn")
+    study = import_from("habilis.studies.reproduction.reproduce", "learn")
     result = study.reproduce(args.out, quick=args.quick, show_progress=True)
     if args.json:
         return print_json(result.summary())

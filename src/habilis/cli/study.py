@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Args) -> int:
-    studies = import_from("habilis.studies.learners", "learn")
+    studies = import_from("habilis.studies.bonuses.run", "learn")
     show = import_from("habilis.sweeps.command", "learn")
     try:
         with show.progress_bar() as on_progress:

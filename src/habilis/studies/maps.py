@@ -1,25 +1,24 @@
-"""The other maps that meet the paper's numbers, as `habilis reconstruct` found them."""
+"""The reconstructed maps: those that `habilis reconstruct` found besides the built-in worlds."""
 
-from importlib.resources import files
+from pathlib import Path
 
-from habilis.worlds.world import World
+MAPS = Path(__file__).parent / "data" / "maps"
 
 
-def other_maps(experiment: str) -> list[World]:
-    """The maps that were found for an experiment, besides the built-in one.
+def map_names(experiment: str) -> list[str]:
+    """The names of the maps that were found for an experiment, in order.
 
     Args:
         experiment: "corridor" or "yard".
 
-    Returns:
-        Worlds named "corridor-01" and so on, in order.
-
     Example:
-        >>> other_maps("yard")[0].name
+        >>> map_names("yard")[0]
         'yard-01'
     """
-    folder = files("habilis.studies") / "data" / "maps"
-    found = sorted(file.name for file in folder.iterdir() if file.name.startswith(f"{experiment}-"))
-    return [
-        World.parse((folder / name).read_text("utf-8"), name.removesuffix(".txt")) for name in found
-    ]
+    return sorted(path.stem for path in MAPS.glob(f"{experiment}-*.txt"))
+
+
+def world_source(name: str) -> str:
+    """The argument of `load_world` for a map: the path of a reconstruction, or a built-in name."""
+    path = MAPS / f"{name}.txt"
+    return str(path) if path.is_file() else name

@@ -4,14 +4,28 @@ import re
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from jinja2 import (
+    ChoiceLoader,
+    Environment,
+    FileSystemLoader,
+    PackageLoader,
+    StrictUndefined,
+    select_autoescape,
+)
 from markupsafe import Markup
 
 
-def render(template: str, **values: Any) -> str:
-    """A page of `templates`."""
+def render(template: str, folder: Path | None = None, **values: Any) -> str:
+    """A page of `templates`, or of a folder whose templates may include those.
+
+    Args:
+        template: the name of its file.
+        folder: of further templates.
+        values: what the page shows.
+    """
+    folders = [] if folder is None else [FileSystemLoader(folder)]
     environment = Environment(
-        loader=PackageLoader("habilis.studies"),
+        loader=ChoiceLoader([*folders, PackageLoader("habilis.studies")]),
         autoescape=select_autoescape(),
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -8,6 +8,9 @@ import minigrid  # noqa: F401  # registers its environments
 import numpy as np
 import pytest
 from minigrid.wrappers import ImgObsWrapper
+
+import habilis as hb
+from habilis.bridges.gymnasium.snapshots import Identity
 from tests.bridges.gymnasium.test_environments_of_others import (
     Cells,
     Forgetful,
@@ -17,9 +20,6 @@ from tests.bridges.gymnasium.test_environments_of_others import (
     place,
     put,
 )
-
-import habilis as hb
-from habilis.bridges.gymnasium.snapshots import Identity
 
 T = hb.TabularMDP.from_gymnasium
 

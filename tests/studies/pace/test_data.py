@@ -5,7 +5,7 @@ import pytest
 from paces import write_pace
 
 from habilis.studies.pace.data import FILES, FOLDER, load_pace
-from habilis.studies.published import EXPERIMENTS
+from habilis.studies.paper.published import EXPERIMENTS
 
 FIRST, SECOND = EXPERIMENTS
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from paces import write_pace
 
+from habilis.studies.comparison import Outcome
 from habilis.studies.pace.data import Agent, Learner, load_pace
 from habilis.studies.pace.ratios import one_by_one, ratio_over
-from habilis.studies.published import EXPERIMENTS
-from habilis.studies.verdicts import Outcome
+from habilis.studies.paper.published import EXPERIMENTS
 
 FIRST, SECOND = EXPERIMENTS
 VANILLA, FOE, TOE = FIRST.rows

@@ -5,11 +5,11 @@ import pytest
 from paces import write_pace
 from scipy.stats import spearmanr
 
+from habilis.studies.comparison import Outcome
 from habilis.studies.pace import slowness
 from habilis.studies.pace.data import MEASURES, Agent, Learner, load_pace
-from habilis.studies.pace.picture import slowness_figure
-from habilis.studies.published import EXPERIMENTS, REWARDS
-from habilis.studies.verdicts import Outcome
+from habilis.studies.paper.published import EXPERIMENTS, REWARDS
+from habilis.studies.reproduction.figures import slowness_figure
 
 MAPS = {"table1": "corridor", "table2": "yard"}
 

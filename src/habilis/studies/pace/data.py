@@ -15,7 +15,7 @@ import numpy as np
 import polars as pl
 from jaxtyping import Float
 
-from habilis.studies.published import REWARDS, Experiment, Row
+from habilis.studies.paper.published import REWARDS, Experiment, Row
 
 FOLDER = Path(__file__).parents[1] / "data" / "pace"
 

@@ -8,9 +8,9 @@ import polars as pl
 from jaxtyping import Float
 
 from habilis.learning.intervals import joint_interval
+from habilis.studies.comparison import Outcome, Verdict, verdict_of, verdict_over
 from habilis.studies.pace.data import Agent, Learner
-from habilis.studies.published import EXPERIMENTS, Experiment, Row
-from habilis.studies.verdicts import Outcome, Verdict, verdict_of, verdict_over
+from habilis.studies.paper.published import EXPERIMENTS, Experiment, Row
 
 
 @dataclass(frozen=True)

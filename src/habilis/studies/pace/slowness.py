@@ -15,9 +15,9 @@ import polars as pl
 from jaxtyping import Float
 from scipy.stats import rankdata
 
+from habilis.studies.comparison import Outcome
 from habilis.studies.pace.data import MEASURES, Agent, Learner
-from habilis.studies.published import EXPERIMENTS, Experiment, Row
-from habilis.studies.verdicts import Outcome
+from habilis.studies.paper.published import EXPERIMENTS, Experiment, Row
 
 _REPEATS = 2000
 _FEWEST = 4  # learners over which a correlation says something

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from math import log
 from random import Random
 
+from habilis.studies.paper.targets import TargetMap
 from habilis.studies.reconstruction.energy import Weighed, weigh
 from habilis.studies.reconstruction.moves import neighbour, random_map
-from habilis.studies.stated import StatedMap
 from habilis.worlds.world import World
 
 Show = Callable[[int, float], None]
@@ -33,7 +33,7 @@ class Schedule:
 
 
 def anneal(
-    stated: StatedMap,
+    targets: TargetMap,
     random: Random,
     schedule: Schedule,
     show: Show,
@@ -45,7 +45,7 @@ def anneal(
     A change that raises the energy by d is taken with probability exp(-d / temperature).
 
     Args:
-        stated: what the map has to meet.
+        targets: what the map has to meet.
         random: where all chance comes from.
         schedule: how long to go on, and how to cool.
         show: told how it goes.
@@ -56,8 +56,10 @@ def anneal(
         The first map that meets all numbers (energy 0) and is wanted, and True; or else the best
         that was met, and False.
     """
-    first = replace(random_map(stated, random) if begin is None else begin, reading=stated.reading)
-    here = weigh(first, stated.numbers, over=stated.over)
+    first = replace(
+        random_map(targets, random) if begin is None else begin, reading=targets.reading
+    )
+    here = weigh(first, targets.numbers, over=targets.over)
     assert here is not None, "there was no limit"
     best = here
     for change in range(schedule.changes):
@@ -66,7 +68,7 @@ def anneal(
         # Drawn before the energy is known, so that its computation can be cut short.
         rise = -schedule.temperature(change) * log(1 - random.random())
         world, limit = neighbour(here.world, random), here.energy + rise
-        there = weigh(world, stated.numbers, limit, here, stated.over)
+        there = weigh(world, targets.numbers, limit, here, targets.over)
         if there is not None:
             here = there
             best = min(best, here, key=lambda weighed: weighed.energy)

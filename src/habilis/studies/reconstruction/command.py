@@ -8,11 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from habilis.files import check_folder, save_whole, writing
-from habilis.studies.numbers import Number
+from habilis.studies.paper.findings import Number
+from habilis.studies.paper.numbers import number_in
+from habilis.studies.paper.targets import TargetMap, load_targets
+from habilis.studies.paper.worlds import OVER, CachedWorld
 from habilis.studies.reconstruction.annealing import Schedule
 from habilis.studies.reconstruction.search import Report, attempts
-from habilis.studies.scenes import OVER, Scene
-from habilis.studies.stated import StatedMap, load_stated
 from habilis.worlds.characters import COMMENT
 from habilis.worlds.tools import Reading
 from habilis.worlds.world import World, load_world, world_names
@@ -24,28 +25,30 @@ def reconstruct(args: Namespace) -> int:
     Returns:
         The exit status: 0 if there are as many maps as asked for, 1 if not.
     """
-    stated = _read_so(load_stated(args.stated), args)
+    targets = _read_so(load_targets(args.stated), args)
     for name in ("count", "attempts", "changes", "attempt"):
         if getattr(args, name) < 1:
             raise ValueError(f"--{name} is {getattr(args, name)}; give 1 or more")
     if not args.hot > Schedule.cold:
         raise ValueError(f"--hot is {args.hot:g}; give more than {Schedule.cold:g}")
-    built_in = (name for name in world_names() if f"{name}-".startswith(f"{stated.name}-"))
-    earlier = {} if args.after is None else _maps_in(args.after, stated)
+    built_in = (name for name in world_names() if f"{name}-".startswith(f"{targets.name}-"))
+    earlier = {} if args.after is None else _maps_in(args.after, targets)
     known = [*map(load_world, built_in), *earlier.values()]
     first = max(earlier, default=0) + 1
-    begin = None if args.begin is None else _beginning(stated, args.begin)
+    begin = None if args.begin is None else _beginning(targets, args.begin)
     schedule = Schedule(args.changes, args.hot)
     if args.out is not None:
-        _make_room(args.out, stated, range(first, first + args.count))
+        _make_room(args.out, targets, range(first, first + args.count))
     maps: list[dict] = []
     nearest, report, began = None, _reporter(), time.perf_counter()
-    for attempt in attempts(stated, args.seed, known, begin, schedule, report, args.attempt):
+    for attempt in attempts(targets, args.seed, known, begin, schedule, report, args.attempt):
         if nearest is None or attempt.best.energy < nearest.energy:
             nearest = attempt.best
         if attempt.found:
-            world = replace(attempt.best.world, name=_name(stated, first + len(maps)))
-            numbers = [Number.of(Scene(world, stated.over), number) for number in stated.numbers]
+            world = replace(attempt.best.world, name=_name(targets, first + len(maps)))
+            numbers = [
+                number_in(CachedWorld(world, targets.over), number) for number in targets.numbers
+            ]
             maps.append(
                 {
                     "name": world.name,
@@ -56,7 +59,7 @@ def reconstruct(args: Namespace) -> int:
                 }
             )
             if args.out is not None:
-                _write(args, world, stated, attempt.number)
+                _write(args, world, targets, attempt.number)
             if not args.json:
                 _print(world, numbers)
             began = time.perf_counter()
@@ -64,11 +67,11 @@ def reconstruct(args: Namespace) -> int:
             break
     report("")
     if args.json:
-        print(json.dumps({"stated": stated.source, "seed": args.seed, "maps": maps}))
+        print(json.dumps({"stated": targets.source, "seed": args.seed, "maps": maps}))
     if len(maps) == args.count:
         return 0
     assert nearest is not None, "there was an attempt"
-    missed = [s.text for s, part in zip(stated.numbers, nearest.parts, strict=True) if part]
+    missed = [s.text for s, part in zip(targets.numbers, nearest.parts, strict=True) if part]
     print(
         f"habilis: {len(maps)} of {args.count} maps found in {args.attempts} attempts"
         + (f"; the nearest other missed: {'; '.join(missed)}" if missed and not maps else "")
@@ -78,66 +81,66 @@ def reconstruct(args: Namespace) -> int:
     return 1
 
 
-def _read_so(stated: StatedMap, args: Namespace) -> StatedMap:
+def _read_so(targets: TargetMap, args: Namespace) -> TargetMap:
     """The list under the reading of the rules, and of averages, that is asked for."""
     unknown, reading = Reading.of(f" {args.reading or ''}".rstrip())
     if unknown.strip():
         raise ValueError(
             f"--reading is {args.reading!r}; give some of {Reading(*[True] * 4).words}, or nothing"
         )
-    return replace(stated, reading=reading, over=args.over)
+    return replace(targets, reading=reading, over=args.over)
 
 
-def _beginning(stated: StatedMap, name: str) -> World:
+def _beginning(targets: TargetMap, name: str) -> World:
     """The map to begin with, if changes can make of it what is sought."""
     world = load_world(name)
-    if (world.height, world.width, world.tool) != (stated.height, stated.width, stated.tool):
+    if (world.height, world.width, world.tool) != (targets.height, targets.width, targets.tool):
         raise ValueError(
             f"{world.name}: is {world.height} x {world.width} with tool {world.tool}, but "
-            f"{stated.name} speaks of {stated.height} x {stated.width} with tool {stated.tool}; "
-            "begin with such a map, or at random"
+            f"{targets.name} speaks of {targets.height} x {targets.width} with tool "
+            f"{targets.tool}; begin with such a map, or at random"
         )
-    return replace(world, name=stated.name)
+    return replace(world, name=targets.name)
 
 
-def _maps_in(folder: Path, stated: StatedMap) -> dict[int, World]:
+def _maps_in(folder: Path, targets: TargetMap) -> dict[int, World]:
     """The maps of earlier searches in a folder, by their numbers."""
     if not folder.is_dir():
         raise ValueError(f"{folder}: no such folder; name one with maps of earlier searches")
     found = {}
-    for path in sorted(folder.glob(f"{stated.name}-*.txt")):
-        number = path.stem.removeprefix(f"{stated.name}-")
+    for path in sorted(folder.glob(f"{targets.name}-*.txt")):
+        number = path.stem.removeprefix(f"{targets.name}-")
         if number.isdecimal():
             found[int(number)] = load_world(path)
     return found
 
 
-def _make_room(folder: Path, stated: StatedMap, numbers: range) -> None:
+def _make_room(folder: Path, targets: TargetMap, numbers: range) -> None:
     """Refuses a folder in which something would be overwritten, before anything is searched."""
-    taken = [path for n in numbers if (path := _path(folder, stated, n)).exists()]
+    taken = [path for n in numbers if (path := _path(folder, targets, n)).exists()]
     if taken:
         raise ValueError(f"{taken[0]}: exists; name another folder, or remove it")
     check_folder(folder)
 
 
-def _name(stated: StatedMap, number: int) -> str:
-    return f"{stated.name}-{number:02}"
+def _name(targets: TargetMap, number: int) -> str:
+    return f"{targets.name}-{number:02}"
 
 
-def _path(folder: Path, stated: StatedMap, number: int) -> Path:
-    return folder / f"{_name(stated, number)}.txt"
+def _path(folder: Path, targets: TargetMap, number: int) -> Path:
+    return folder / f"{_name(targets, number)}.txt"
 
 
-def _write(args: Namespace, world: World, stated: StatedMap, attempt: int) -> None:
+def _write(args: Namespace, world: World, targets: TargetMap, attempt: int) -> None:
     lines = (
         f"Reconstructed, not the authors' map: attempt {attempt} of",
-        f"habilis reconstruct {stated.source} --seed {args.seed} --changes {args.changes} "
+        f"habilis reconstruct {targets.source} --seed {args.seed} --changes {args.changes} "
         f"--hot {args.hot:g}"
         + (f" --from {args.begin}" if args.begin else "")
         + (f" --after {args.after}" if args.after else "")
-        + (f' --reading "{stated.reading.words}"' if stated.reading.words else "")
-        + (f" --over {stated.over}" if stated.over != OVER[0] else ""),
-        f"Meets all {len(stated.numbers)} stated numbers of {stated.source}.toml.",
+        + (f' --reading "{targets.reading.words}"' if targets.reading.words else "")
+        + (f" --over {targets.over}" if targets.over != OVER[0] else ""),
+        f"Meets all {len(targets.numbers)} stated numbers of {targets.source}.toml.",
     )
     comments = "".join(f"{COMMENT} {line}\n" for line in lines)
     with writing(args.out):

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, log1p
 
-from habilis.studies.measured import measured
-from habilis.studies.scenes import OVER, Scene
-from habilis.studies.stated import Stated
+from habilis.studies.paper.numbers import measure
+from habilis.studies.paper.targets import Target
+from habilis.studies.paper.worlds import OVER, CachedWorld
 from habilis.worlds.world import NO_TOOL, World
 
 _FAR = 1000.0  # in tolerances: a number that is not there at all
@@ -19,16 +19,16 @@ class Weighed:
     """A map and how far it is off.
 
     Attributes:
-        scene: of the map.
+        cached: of the map.
         parts: what each stated number adds; 0 where it is met.
     """
 
-    scene: Scene
+    cached: CachedWorld
     parts: tuple[float, ...]
 
     @property
     def world(self) -> World:
-        return self.scene.world
+        return self.cached.world
 
     @property
     def energy(self) -> float:
@@ -37,7 +37,7 @@ class Weighed:
 
 def weigh(
     world: World,
-    numbers: Sequence[Stated],
+    numbers: Sequence[Target],
     limit: float = float("inf"),
     before: Weighed | None = None,
     over: str = OVER[0],
@@ -56,7 +56,7 @@ def weigh(
     Returns:
         `None` above the limit.
     """
-    scene = Scene(world, over)
+    cached = CachedWorld(world, over)
     parts: dict[int, float] = {}
     if before is not None:
         changed = {name for name in ("walls", *_THINGS) if _differ(world, before.world, name)}
@@ -64,42 +64,42 @@ def weigh(
             i: before.parts[i] for i, s in enumerate(numbers) if not changed & looks_at(s, over)
         }
         if not changed & {"walls", "tool_cell"}:
-            scene = before.scene.restarted(world)
+            cached = before.cached.restarted(world)
     total = sum(parts.values())
     for i in sorted(set(range(len(numbers))) - set(parts), key=lambda i: _cost(numbers[i])):
         if total > limit:
             return None
-        parts[i] = _part(numbers[i], measured(scene, numbers[i]))
+        parts[i] = _part(numbers[i], measure(cached, numbers[i]))
         total += parts[i]
-    weighed = Weighed(scene, tuple(parts[i] for i in range(len(numbers))))
+    weighed = Weighed(cached, tuple(parts[i] for i in range(len(numbers))))
     return weighed if weighed.energy <= limit else None
 
 
-def looks_at(stated: Stated, over: str = OVER[0]) -> frozenset[str]:
+def looks_at(target: Target, over: str = OVER[0]) -> frozenset[str]:
     """The fields of a world that a stated number depends on, averages going over some states."""
-    if stated.kind == "apart":
-        return frozenset({stated.of, "tool_cell"})
-    if stated.kind == "average":
+    if target.kind == "apart":
+        return frozenset({target.of, "tool_cell"})
+    if target.kind == "average":
         everything = {"walls", "agent", "object", "tool_cell"}
         seen = {"equipped": {"walls"}, "all": {"walls", "tool_cell"}, "reachable": everything}
         return frozenset(seen[over])
-    if stated.placed:
+    if target.placed:
         return frozenset({"walls"})
-    if stated.kind == "landscape":
-        around = {"goal"} if stated.around == "goal" else set()
+    if target.kind == "landscape":
+        around = {"goal"} if target.around == "goal" else set()
         return frozenset({"walls", "tool_cell", "object"} | around)
-    return frozenset({"walls", *_THINGS} - ({"tool_cell"} if stated.tool == NO_TOOL else set()))
+    return frozenset({"walls", *_THINGS} - ({"tool_cell"} if target.tool == NO_TOOL else set()))
 
 
 def _differ(one: World, other: World, name: str) -> bool:
     return getattr(one, name) != getattr(other, name)
 
 
-def _cost(stated: Stated) -> tuple[bool, bool, bool, int]:
-    return stated.kind != "apart", stated.tool != NO_TOOL, stated.placed, _COST[stated.kind]
+def _cost(target: Target) -> tuple[bool, bool, bool, int]:
+    return target.kind != "apart", target.tool != NO_TOOL, target.placed, _COST[target.kind]
 
 
-def _part(stated: Stated, number: float) -> float:
-    scale = stated.tolerance or (0.1 if stated.unit == "bits" else 1.0)
-    miss = stated.miss(number) / scale if isfinite(number) else _FAR
+def _part(target: Target, number: float) -> float:
+    scale = target.tolerance or (0.1 if target.unit == "bits" else 1.0)
+    miss = target.miss(number) / scale if isfinite(number) else _FAR
     return log1p(min(miss, _FAR))

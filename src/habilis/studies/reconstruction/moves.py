@@ -3,6 +3,7 @@
 from dataclasses import replace
 from random import Random
 
+from habilis.studies.paper.targets import TargetMap
 from habilis.studies.reconstruction.shapes import (
     SIDES,
     free_cells,
@@ -10,23 +11,22 @@ from habilis.studies.reconstruction.shapes import (
     one_room,
     walls_alone,
 )
-from habilis.studies.stated import StatedMap
 from habilis.worlds.world import NO_TOOL, Cell, World
 
 _LONGEST = 7  # run of walls that is drawn at once
 _TRIES = 10_000
 
 
-def random_map(stated: StatedMap, random: Random) -> World:
+def random_map(targets: TargetMap, random: Random) -> World:
     """Straight runs of walls, and things on free cells: what a search begins with.
 
     Raises:
         ValueError: there seems to be no such map of one room.
     """
-    height, width = stated.height, stated.width
+    height, width = targets.height, targets.width
     for _ in range(_TRIES):
         walls: set[Cell] = set()
-        while len(walls) < stated.walls:
+        while len(walls) < targets.walls:
             row, column = random.randrange(height), random.randrange(width)
             down, right = random.choice(((0, 1), (1, 0)))
             run = ((row + k * down, column + k * right) for k in range(random.randint(2, _LONGEST)))
@@ -36,20 +36,20 @@ def random_map(stated: StatedMap, random: Random) -> World:
             continue
         agent, thing, goal, tool = random.sample(free, 4)
         world = World(
-            name=stated.name,
+            name=targets.name,
             height=height,
             width=width,
             walls=frozenset(walls),
             agent=agent,
             object=thing,
             goal=goal,
-            tool=stated.tool,
-            tool_cell=None if stated.tool == NO_TOOL else tool,
+            tool=targets.tool,
+            tool_cell=None if targets.tool == NO_TOOL else tool,
         )
         if not walls_alone(world) and one_room(world):
             return world
     raise ValueError(
-        f"{stated.name}: no map of {height} x {width} cells has {stated.walls} walls that leave "
+        f"{targets.name}: no map of {height} x {width} cells has {targets.walls} walls that leave "
         "one room; give fewer walls"
     )
 

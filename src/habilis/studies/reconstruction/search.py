@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from itertools import count
 from random import Random
 
+from habilis.studies.paper.targets import TargetMap
 from habilis.studies.reconstruction.annealing import Schedule, anneal
 from habilis.studies.reconstruction.energy import Weighed
 from habilis.studies.reconstruction.shapes import difference
-from habilis.studies.stated import StatedMap
 from habilis.worlds.world import World
 
 LEAST_DIFFERENCE = 0.6
@@ -33,7 +33,7 @@ class Attempt:
 
 
 def attempts(
-    stated: StatedMap,
+    targets: TargetMap,
     seed: int,
     known: Sequence[World] = (),
     begin: World | None = None,
@@ -44,7 +44,7 @@ def attempts(
     """One attempt after another, without end; the same for the same arguments.
 
     Args:
-        stated: what maps have to meet.
+        targets: what maps have to meet.
         seed: of the randomness.
         known: maps from which those found must differ.
         begin: the map to begin with each time; by default one at random.
@@ -62,12 +62,12 @@ def attempts(
 
         def show(changes: int, energy: float, number: int = number) -> None:
             report(
-                f"{stated.name}: {len(others) - len(known)} found; attempt {number}, change "
+                f"{targets.name}: {len(others) - len(known)} found; attempt {number}, change "
                 f"{changes} of {schedule.changes}, best {energy:.2f} off"
             )
 
         random = Random(f"{seed}-{number - 1}")
-        best, found = anneal(stated, random, schedule, show, begin, different)
+        best, found = anneal(targets, random, schedule, show, begin, different)
         if found:
             others.append(best.world)
         yield Attempt(number, best, found)

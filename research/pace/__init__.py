@@ -1,0 +1,1 @@
+"""The paper at its own pace: the calibration, its freeze, and the agents trained afterwards."""

@@ -1,1 +1,0 @@
-"""Several tools lie about, and only one of them fits: what leads an agent to it?"""

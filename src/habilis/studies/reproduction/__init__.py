@@ -1,0 +1,1 @@
+"""The whole paper recomputed by one call, and the report of it."""

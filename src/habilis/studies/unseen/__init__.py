@@ -1,1 +1,0 @@
-"""Trained from some placements of tool and object: does an agent get on from others?"""
