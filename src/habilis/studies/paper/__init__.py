@@ -1,0 +1,1 @@
+"""The paper: its numbers and statements, as published and as recomputed, and their verdicts."""
