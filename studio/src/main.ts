@@ -1,6 +1,6 @@
-/** The page: what the server says first decides what there is; then the views share one scene. */
+/** The page: the server's greeting defines the choices; all views share one scene. */
 
-import { createActed } from "./core/acted";
+import { createWatched } from "./core/watched";
 import { FRESH, fromFragment, toFragment, type Opened } from "./core/address";
 import type { App, View } from "./core/app";
 import { connect, type Status } from "./core/connection";
@@ -23,13 +23,13 @@ import "./style/views.css";
 import "./style/portrait.css";
 
 const VIEWS = ["design", "play", "train", "run"];
-const MOST_FAULTS = 5; // of a link, that are told in a line
+const MOST_FAULTS = 5; // of a link, reported in a line
 
 let app: App | null = null;
 let views: Record<string, View> = {};
 let status: Status = "connecting";
 let frame: Frame | null = null;
-/** Whether the address has a link that could not be shown whole: it stays until the first change. */
+/** Whether the address has a link that could not be shown completely: it stays until the first change. */
 let held = false;
 
 const connection = connect(
@@ -50,10 +50,10 @@ byId("app").replaceChildren(h("p", { class: "opening" }, "Opening the studio…"
 
 function start(hello: Hello): void {
   keepShapes(hello.shapes);
-  const said = fromFragment(location.hash, hello, VIEWS);
-  const store = createStore(said.shown?.scene ?? firstScene(hello));
+  const opened = fromFragment(location.hash, hello, VIEWS);
+  const store = createStore(opened.shown?.scene ?? firstScene(hello));
   const measuring = createMeasuring(connection, store);
-  app = { hello, connection, store, measuring, acted: createActed(hello.run) };
+  app = { hello, connection, store, measuring, watched: createWatched(hello.run) };
   views = {
     design: createDesign(app),
     play: createPlay(app),
@@ -64,13 +64,13 @@ function start(hello: Hello): void {
   byId("app").replaceChildren(frame.element);
   frame.showStatus(status);
   let opening = true;
-  report(said, hello.run ? "the world of the run" : `the built-in ${firstWorld(hello)}`);
-  frame.open(said.shown?.view ?? (hello.run ? "run" : "design"));
+  report(opened, hello.run ? "the world of the run" : `the built-in world ${firstWorld(hello)}`);
+  frame.open(opened.shown?.view ?? (hello.run ? "run" : "design"));
   store.watch(() => (opening ? keepAddress() : letGo()));
   opening = false;
   addEventListener("hashchange", () => {
     const next = fromFragment(location.hash, hello, VIEWS);
-    report(next, "what was shown before");
+    report(next, "the previous world");
     if (next.shown === null) return;
     const { scene, view } = next.shown;
     if (toFragment(scene, view) === toFragment(store.scene(), frame!.view())) return;
@@ -81,30 +81,30 @@ function start(hello: Hello): void {
   });
 }
 
-/** Says what of a link cannot be shown, and what is shown in its place. */
+/** Reports the parts of a link that cannot be shown, and what is shown instead. */
 function report({ shown, faults }: Opened, instead: string): void {
   held = faults.length > 0;
   const [some, others] = [faults.slice(0, MOST_FAULTS).join("; "), faults.length - MOST_FAULTS];
   const what = `${some}${others > 0 ? `; and ${others} more` : ""}`;
   const now = shown === null
-    ? `The link cannot be opened: ${what}. You see ${instead}.`
-    : `Not all of the link can be shown: ${what}.`;
-  frame!.showLink(held ? `${now} The address keeps the link until you change something.` : null);
+    ? `The link cannot be opened: ${what}. Showing ${instead} instead.`
+    : `The link can only be shown in part: ${what}.`;
+  frame!.showLink(held ? `${now} The address keeps the link until your first change.` : null);
 }
 
-/** The address of what is shown. */
+/** The link to the current scene and view. */
 function address(): string {
   const fragment = toFragment(app!.store.scene(), frame!.view());
   return new URL(`#${fragment}`, location.href).href;
 }
 
-/** The link in the address bar says what is shown, unless it is one that was not understood. */
+/** Updates the address bar, unless it holds a link that was not understood. */
 function keepAddress(): void {
   if (app === null || frame === null || held) return;
   history.replaceState(null, "", address());
 }
 
-/** What is shown is the user's own now; the way back leads to the link that was not understood. */
+/** Replaces a link that was not understood after the user's first change; Back returns to it. */
 function letGo(): void {
   if (held) {
     history.pushState(null, "", location.href);

@@ -227,11 +227,11 @@ UNREADABLE = {
     "w=4x4.A*A.0.1.2.3&t=picker": "its map “4x4.A*A.0.1.2.3” is damaged",
     "w=4x4.AAA..1.2.3&t=picker": "its map “4x4.AAA..1.2.3” is damaged",
     "w=4x4.AAA.0.1.2.-&t=picker": "its map “4x4.AAA.0.1.2.-” is damaged",
-    "w=9999x9999.AAAA.1.2.3.4&t=picker": "its map has 9999 × 9999 cells, and a map has 4 to 30",
-    "w=4x4.AAA.1.1.2.3&t=picker": "the picker of its map is in the cell of the agent",
-    "w=4x4.AAA.0.1.2.16&t=picker": "the bin of the can of its map is not on it",
+    "w=9999x9999.AAAA.1.2.3.4&t=picker": "its map has 9999 × 9999 cells, and a map has 4 to 30 rows and columns",
+    "w=4x4.AAA.1.1.2.3&t=picker": "the picker of its map shares a cell with the agent",
+    "w=4x4.AAA.0.1.2.16&t=picker": "the bin of the can of its map lies outside the map",
     "w=4x4.__8.0.1.2.3&t=picker": "the agent of its map is in a wall",
-    "w=4x4.AAA.0.1.2.3&t=picker&o=spoon": "its object “spoon” is not known here",
+    "w=4x4.AAA.0.1.2.3&t=picker&o=spoon": "its object “spoon” is unknown here",
     "w=4x4.AAA.0.1.2.3&t=picker&m=rake@": "its thing “rake@” is damaged",
     "w=4x4.AAA.0.1.2.3&t=picker&m=rake@4,rake@5,rake@6,rake@7": "its map has 5 tools",
 }
@@ -268,7 +268,7 @@ def test_the_way_back_leads_to_a_link_that_was_not_understood(browser: Browser, 
     assert shown_bits(page) == walled
     drawn = fragment(page)
     page.go_back()
-    expect(fault).to_contain_text("You see what was shown before")
+    expect(fault).to_contain_text("Showing the previous world instead")
     assert fragment(page) == "nonsense"
     assert shown_bits(page) == walled
     page.go_forward()
@@ -282,7 +282,7 @@ def test_the_link_that_is_copied_is_of_what_is_shown(browser: Browser, address: 
         page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=picker&h=77")
         expect(page.locator(LINK_FAULT)).to_be_visible()
         page.locator("#share").click()
-        expect(page.locator(".notice")).to_contain_text("is copied")
+        expect(page.locator(".notice")).to_have_text("Link copied")
         copied = page.evaluate("navigator.clipboard.readText()")
         assert copied == f"{address}#w=4x4.AAA.0.1.2.3&t=picker&h=10"
         assert fragment(page) == "w=4x4.AAA.0.1.2.3&t=picker&h=77"
@@ -299,9 +299,9 @@ def test_a_link_that_asks_for_what_is_not_there_is_taken_as_far_as_it_goes(
     expect(page.locator("#sensor")).to_have_value("object")
     expect(page.locator("#fault")).to_be_empty()
     for words in (
-        "Not all of the link can be shown",
+        "The link can only be shown in part",
         "its field “q” is unknown",
-        "it senses a tool without having one",
+        "it observes a tool without having one",
         "its horizon “99” is not a whole number from 0 to 10, and 10 is used",
         "its view “nowhere” is unknown",
     ):
@@ -317,12 +317,11 @@ def test_a_link_with_a_tool_that_is_not_known_here_leaves_it_out(browser: Browse
     page = browser.new_page(viewport=SIZE)
     page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=%2Ftmp%2Fmine.py%3ASpoon&h=2")
     expect(page.locator(LINK_FAULT)).to_contain_text(
-        "its tool “/tmp/mine.py:Spoon” is not known here, and is left out (start the studio with "
-        "--tool)"
+        "its tool “/tmp/mine.py:Spoon” is unknown here, and is left out (start the studio with --tool)"
     )
     assert shown_bits(page) == true_bits(World.parse("A.CG\n....\n....\n...."), 2)
     page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=picker&m=spoon@8,ball@9&h=2")
-    expect(page.locator(LINK_FAULT)).to_contain_text("its tool or object “spoon” is not known here")
+    expect(page.locator(LINK_FAULT)).to_contain_text("its tool or object “spoon” is unknown here")
     world = World.parse("D = ball\nG = goal of C\nAPCG\n....\n.D..\n....")
     assert shown_bits(page) == true_bits(world, 2, "object:can")
     page.close()
@@ -366,9 +365,9 @@ def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
         mdp, mdp.find(agent=(8, 4), tool=YARD.tool_cell, object=YARD.object), 3, "object"
     )
     expect(marks).to_have_count(len(found.observations))
-    told = page.locator("#told")
-    expect(told).to_contain_text(f"{found.empowerment:.2f} bits")
-    expect(told).to_contain_text(f"{len(found.observations)} places")
+    caption = page.locator("#caption")
+    expect(caption).to_contain_text(f"{found.empowerment:.2f} bits")
+    expect(caption).to_contain_text(f"{len(found.observations)} cells")
     keep_picture(page, "design-futures")
     page.mouse.move(5, 5)
     expect(marks).to_have_count(0)
@@ -385,7 +384,7 @@ def test_a_tap_on_a_cell_marks_what_could_be_brought_about_until_the_next(
         for cell, places in (((8, 4), 6), ((7, 1), 2), ((0, 0), 1)):
             page.touchscreen.tap(*middle(page, LANDSCAPE, cell))
             expect(marks).to_have_count(places)
-            expect(page.locator("#told")).to_contain_text(f"{np.log2(places):.2f} bits")
+            expect(page.locator("#caption")).to_contain_text(f"{np.log2(places):.2f} bits")
 
 
 def test_cells_are_chosen_with_a_finger(browser: Browser, address: str):
@@ -477,7 +476,7 @@ def test_map_text_that_is_too_long_is_refused_and_stays_in_its_field(page: Page,
     page.locator("#use-map").click()
     fault = page.locator("dialog .fault")
     expect(fault).to_contain_text("The text has 70,005 characters")
-    expect(fault).to_contain_text("the studio takes up to 65,436")
+    expect(fault).to_contain_text("the studio accepts up to 65,436")
     assert len(text.input_value()) == 70_005
     keep_picture(page, "map-text-too-long")
     box = text.bounding_box()
@@ -508,8 +507,7 @@ def test_a_tie_is_called_one(page: Page):
     verdict = page.locator("#verdict")
     shown_averages(page)
     expect(verdict).to_have_text(
-        "The picker makes no difference: neither with it nor with bare hands can anything be done "
-        "to the can."
+        "The picker makes no difference: the agent cannot affect the can, with it or with bare hands."
     )
     expect(verdict).to_have_attribute("data-kind", "none")
     keep_picture(page, "design-tie")
@@ -539,7 +537,7 @@ def test_the_keyboard_alone_draws_moves_and_asks(page: Page):
     assert shown_bits(page) == true_bits(replace(walled, object=(6, 4)), 3)
     page.locator(LANDSCAPE).focus()
     page.keyboard.press("ArrowRight")
-    expect(page.locator("#told")).to_contain_text("From row 1, column 2")
+    expect(page.locator("#caption")).to_contain_text("From row 0, column 1")
     page.keyboard.press("?")
     expect(page.get_by_role("dialog", name="What is this?")).to_be_visible()
     keep_picture(page, "help")
@@ -635,7 +633,7 @@ def test_show_me_says_that_there_is_no_plan(page: Page):
     take_in(page, "AC#G\n..##\n....\n....")
     page.locator("#tab-play").click()
     page.locator("#show-me").click()
-    expect(page.locator("#plan")).to_have_text("No plan: the bin is out of reach.")
+    expect(page.locator("#plan")).to_have_text("No plan: the bin is unreachable.")
     expect(page.locator("#show-me")).to_have_text("Show me")
 
 
@@ -689,7 +687,7 @@ def test_no_map_is_too_tall_or_too_wide(page: Page, sides: tuple[str, str]):
         page.keyboard.press("Tab")
     settled(page)
     page.mouse.move(*middle(page, LANDSCAPE, (0, 1)))
-    expect(page.locator("#told")).to_contain_text("From row 1, column 2")
+    expect(page.locator("#caption")).to_contain_text("From row 0, column 1")
     for view in ("design", "play"):
         page.locator(f"#tab-{view}").click()
         if view == "play":
@@ -741,11 +739,11 @@ def test_trains_while_the_curve_grows_stops_and_acts_out_what_was_learned(page: 
     keep_picture(page, "train")
 
     watch.first.click()
-    told = page.locator("#run-told")
-    expect(told).to_contain_text("step")
+    caption = page.locator("#run-caption")
+    expect(caption).to_contain_text("step")
     page.locator("#tab-train").click()
     watch.last.click()
-    expect(told).to_contain_text("step")
+    expect(caption).to_contain_text("step")
     expect(page.locator("#action-bars li")).to_have_count(8)
     shares = [int(text.split()[0]) for text in page.locator("#action-bars .bits").all_inner_texts()]
     assert sum(shares) == pytest.approx(100, abs=4)
@@ -793,7 +791,7 @@ def test_a_training_is_listed_again_after_the_page_is_loaded_anew(browser: Brows
         expect(page.locator("#curves .line")).to_have_count(1)
         expect(ours).to_contain_text("return")
         watch.click()
-        expect(page.locator("#run-told")).to_contain_text("step")
+        expect(page.locator("#run-caption")).to_contain_text("step")
 
         # What trains when its page is closed is stopped, and kept as it is then.
         page.locator("#tab-train").click()
@@ -807,7 +805,7 @@ def test_a_training_is_listed_again_after_the_page_is_loaded_anew(browser: Brows
         settled(page)
         page.locator("#tab-train").click()
         stopped = page.locator(".training").filter(has_text="seed 78")
-        expect(stopped).to_contain_text("stopped before its end")
+        expect(stopped).to_contain_text("stopped early")
         expect(stopped.get_by_role("button", name="Watch")).to_have_count(1)
         page.close()
 
@@ -836,14 +834,14 @@ def test_what_a_folder_has_is_listed_by_the_next_studio_and_what_is_damaged_says
         expect(torn.locator(".fault")).to_contain_text("config.json: is damaged")
         expect(torn.get_by_role("button")).to_have_count(0)
         rows.filter(has_text="my run").get_by_role("button", name="Watch").click()
-        told = page.locator("#run-told")
-        expect(told).to_contain_text(f"{len(play(run).actions)} step")
+        caption = page.locator("#run-caption")
+        expect(caption).to_contain_text(f"{len(play(run).actions)} step")
         page.locator("#tab-train").click()
         keep_picture(page, "train-listed")
         worn.get_by_role("checkbox").click()
         expect(worn.locator(".fault")).to_contain_text("parameters.npz: is damaged")
         worn.get_by_role("button", name="Watch").click()
-        expect(told).to_contain_text("parameters.npz: is damaged")
+        expect(caption).to_contain_text("parameters.npz: is damaged")
         expect(page.locator("#run-board")).to_be_hidden()
         keep_picture(page, "run-damaged")
         page.close()
@@ -882,11 +880,11 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
     with served(str(tmp_path / "trained")) as address:
         page = browser.new_page(viewport=SIZE)
         page.goto(address)
-        told = page.locator("#run-told")
+        caption = page.locator("#run-caption")
         for index in (0, 1):
-            page.get_by_label("Which run").select_option(str(index))
+            page.get_by_label("Run number").select_option(str(index))
             steps = len(play(run, index).actions)
-            expect(told).to_contain_text(f"{steps} step")
+            expect(caption).to_contain_text(f"{steps} step")
         expect(page.locator("#tab-run")).to_have_attribute("aria-selected", "true")
 
         assert at_each_size(page, SCROLLED) == [[0, 0]] * len(SIZES)
@@ -903,15 +901,15 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
         mdp = tabulate(YARD)
         assert YARD.tool_cell is not None
         start = mdp.find(agent=YARD.agent, tool=YARD.tool_cell, object=(6, 5))
-        expect(told).to_contain_text(f"{len(play(run, 1, start).actions)} step")
-        expect(told).to_contain_text("step")
+        expect(caption).to_contain_text(f"{len(play(run, 1, start).actions)} step")
+        expect(caption).to_contain_text("step")
         page.locator("#step").fill("0")
         drag(page, "#run-board", (6, 5), YARD.goal)  # where it would be over
         expect(page.locator("#run-board .object")).to_have_count(1)
         keep_picture(page, "run-elsewhere")
         page.locator("#run-back").click()
         expect(page.locator("#run-back")).to_be_hidden()
-        expect(told).to_contain_text(f"{len(play(run, 1).actions)} step")
+        expect(caption).to_contain_text(f"{len(play(run, 1).actions)} step")
         page.close()
 
 
@@ -946,7 +944,7 @@ def test_several_things_are_put_on_the_map_picked_and_taken_away(page: Page, bro
     drag(page, "#world-board", ball.cell, (5, 5))
     drag(page, "#world-board", rake, (0, 9))
     page.locator("#add").click()
-    page.get_by_label("The tool in hand can be put down").check()
+    page.get_by_label("The tool in hand can be dropped").check()
     page.keyboard.press("Escape")
     world = World.parse(map_text(page), "map")
     assert {thing.name: thing.cell for thing in world.objects}["ball"] == (5, 5)
@@ -1029,12 +1027,12 @@ def test_a_page_goes_on_when_its_server_has_come_back(browser: Browser):
         expect(page.locator("#bits-now")).not_to_have_text("–")
         before = at_each_size(page, CONTROLS)
     status = page.locator(".status")
-    expect(status).to_contain_text("The server is gone")
+    expect(status).to_contain_text("Connection lost")
     assert at_each_size(page, CONTROLS) == before
     assert not any(at_each_size(page, HIDDEN_BY_STATUS))
     page.keyboard.press("ArrowDown")  # to nobody
     page.locator("#tab-train").click()
-    expect(page.locator(".training .fault")).to_have_text("the line to the server was lost")
+    expect(page.locator(".training .fault")).to_have_text("the connection to the server was lost")
     with served("--port", port):
         expect(status).to_be_hidden()
         expect(page.locator("#start")).to_be_enabled()

@@ -125,10 +125,10 @@ def test_a_tool_that_fails_now_and_then_fails_in_play_and_in_the_landscape(there
     [
         ({"tools": [{"kind": "os:path", "cell": [0, 1]}]}, "tool 'os:path' is unknown"),
         ({"tools": [{"kind": "rake", "cell": [1, 1]}]}, "the rake is at (1, 1); put it on a free"),
-        ({"objects": []}, "objects is no list of 1 to 4 things"),
+        ({"objects": []}, "objects is not a list of 1 to 4 things"),
         ({"objects": [{"kind": "can", "cell": [1, 2]}]}, "the first object, the can, has no goal"),
         ({"agent": [0, 1]}, "share a cell; give each its own"),
-        ({"ground": "..\n..."}, "ground is no map"),
+        ({"ground": "..\n..."}, "ground is not a map"),
         ({"drop": 1}, "drop is 1; give true or false"),
     ],
 )

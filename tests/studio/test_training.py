@@ -247,7 +247,7 @@ def test_trainings_wait_for_each_other_but_not_all_that_are_asked_for():
             assert "progress" in next(one.answers(number))
         last = pages.enter_context(page(address))
         answer = next(last.answers(last.send("train", scene=yard, settings=ENDLESS)))
-        wanted = f"{TRAINING['waiting']} trainings wait already; try again later"
+        wanted = f"{TRAINING['waiting']} trainings are queued already; try again later"
         assert answer.get("error") == wanted
         assert len(trainers_of(os.getpid())) <= TRAINING["at_once"]
 

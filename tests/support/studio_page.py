@@ -75,7 +75,7 @@ def shown_bits(page: Page) -> dict[Cell, float]:
         "cells => cells.map((cell) => cell.getAttribute('aria-label'))"
     )
     found = (_BITS.fullmatch(label) for label in labels)
-    return {(int(m[1]) - 1, int(m[2]) - 1): float(m[3]) for m in found if m}
+    return {(int(m[1]), int(m[2])): float(m[3]) for m in found if m}
 
 
 def true_bits(
@@ -130,6 +130,6 @@ def keep_picture(page: Page, name: str) -> Path:
     """Keeps a picture of the page as it is now."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     page.evaluate("document.activeElement?.blur()")
-    page.wait_for_timeout(300)  # until what moves has come to rest
+    page.wait_for_timeout(300)  # until animations have ended
     page.screenshot(path=PICTURES / f"{name}.png")
     return PICTURES / f"{name}.png"

@@ -10,11 +10,11 @@ from playwright.sync_api import Browser, expect, sync_playwright
 from studio_page import CHROMIUM, LANDSCAPE, OPTIONS, STUCK, middle, served, settled, shown_averages
 
 POINTED = (8, 4)
-"""The cell of the yard that is pointed at: beside the can."""
+"""The cell under the pointer: beside the can."""
 
 
 def take(browser: Browser, path: Path) -> None:
-    """Takes the picture: the yard as it is first shown, and what could be done from one cell."""
+    """Takes the picture: the yard as first shown, with the futures of one cell."""
     with served() as address:
         size = {"width": 1280, "height": 664}
         page = browser.new_page(viewport=size, color_scheme="light")  # type: ignore[arg-type]
@@ -22,8 +22,8 @@ def take(browser: Browser, path: Path) -> None:
         settled(page)
         shown_averages(page)
         page.mouse.move(*middle(page, LANDSCAPE, POINTED))
-        expect(page.locator("#told")).to_contain_text("bits,", timeout=STUCK)
-        page.wait_for_timeout(300)  # until what moves has come to rest
+        expect(page.locator("#caption")).to_contain_text("bits,", timeout=STUCK)
+        page.wait_for_timeout(300)  # until animations have ended
         page.screenshot(path=path)
         page.close()
 

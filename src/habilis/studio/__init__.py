@@ -1,1 +1,1 @@
-"""The studio: a local page on which worlds are drawn and their empowerment is seen at once."""
+"""The studio: a local page for drawing worlds, with their empowerment updated live."""

@@ -1,4 +1,4 @@
-"""Clients: each has one computation in each pool at a time, and only its newest wish counts."""
+"""A client: one step per pool at a time, and only the newest request of each kind."""
 
 import asyncio
 import json
@@ -17,10 +17,9 @@ Send = Callable[[str], Awaitable[None]]
 class Client:
     """One connection.
 
-    A request replaces the one of its kind that is still being worked on, so that no more wait than
-    there are kinds. Steps take turns: a client asks for its next one when it has the last one's
-    answer, and a pool serves those who ask in the order in which they came. So everybody who asks
-    for anything has one step done before anybody has two.
+    A request replaces an unfinished one of its kind, so at most one per kind is waiting. Steps take
+    turns: a client requests its next step after the answer to the previous one, and a pool serves
+    requests in order of arrival. So every client gets one step done before any client gets two.
     """
 
     def __init__(self, send: Send):
@@ -30,15 +29,15 @@ class Client:
         self._working: dict[str, tuple[int, asyncio.Task[None]]] = {}
 
     async def tell(self, number: int | None, **answer: Any) -> None:
-        """Sends what there is to say to a request."""
+        """Sends an answer to a request."""
         await self._send(json.dumps({"id": number} | answer, allow_nan=False))
 
     async def step(self, pool: Pool, name: str, **arguments: Any) -> Any:
-        """Has a step done when it is this client's turn."""
+        """Runs a step when it is this client's turn."""
         return await pool.do(self._turns.setdefault(pool, asyncio.Lock()), name, **arguments)
 
     async def ask(self, kind: str, number: int, work: Coroutine[Any, Any, None]) -> None:
-        """Begins to answer a request, in the place of an earlier one of its kind."""
+        """Starts to answer a request, replacing an earlier one of its kind."""
         earlier = self.working(kind)
         if earlier is not None:
             self._working[kind][1].cancel()
@@ -46,19 +45,19 @@ class Client:
         self._working[kind] = number, asyncio.create_task(self._answered(number, work))
 
     def working(self, kind: str) -> int | None:
-        """The number of the request of some kind that is being worked on, if there is one."""
+        """The number of the unfinished request of a kind, if there is one."""
         number, task = self._working.get(kind, (None, None))
         return None if task is None or task.done() else number
 
     async def stop(self, number: int) -> None:
-        """Stops a training; what there is of it is kept."""
+        """Stops a training, and keeps its progress."""
         if number not in self.trainings:
             await self.tell(number, error=f"no training has the id {number}; it may have ended")
         else:
             self.trainings[number].stop()
 
     async def leave(self) -> None:
-        """Drops all that is being worked on."""
+        """Cancels all unfinished requests."""
         tasks = [task for _, task in self._working.values()]
         for task in tasks:
             task.cancel()
@@ -71,4 +70,4 @@ class Client:
             await self.tell(number, error=one_line(error))
         except Exception as error:
             traceback.print_exc()
-            await self.tell(number, error=one_line(f"the studio failed: {error!r}; please tell us"))
+            await self.tell(number, error=one_line(f"internal error: {error!r}; please report it"))

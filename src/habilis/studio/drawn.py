@@ -1,10 +1,10 @@
-"""A world as the page draws it: walls as text, and its things."""
+"""Worlds in the page's format: walls as text, and a list of things."""
 
 from collections.abc import Collection
 from typing import Any
 
 from habilis.studio.fields import cell, checked, number, one_of, shown
-from habilis.studio.limits import THINGS
+from habilis.studio.limits import THINGS, TOOL_SLIP
 from habilis.worlds.characters import FLOOR, WALL
 from habilis.worlds.parsing import fields_of, numbered
 from habilis.worlds.things import OBJECTS, PlacedObject, PlacedTool
@@ -14,16 +14,16 @@ _GROUND = f"; {FLOOR} floor and {WALL} walls"
 
 
 def described(world: World) -> dict[str, Any]:
-    """A world as the page has it.
+    """A world in the page's format.
 
     Raises:
-        ValueError: a tool's rules are read in another way, which the page has nothing to draw with.
+        ValueError: a tool has another reading of the rules, which the page cannot represent.
     """
     for tool in world.tools:
         if tool.reading.words:
             raise ValueError(
-                f"{world.name}: the page has rules 3 to 5 as Habilis reads them, and no "
-                f"{tool.reading.words!r}; leave that out above the map"
+                f"{world.name}: the page cannot represent the reading {tool.reading.words!r} of "
+                "rules 3 to 5; remove it from the line above the map"
             )
     rows = [
         "".join(WALL if (row, column) in world.walls else FLOOR for column in range(world.width))
@@ -48,20 +48,20 @@ def described(world: World) -> dict[str, Any]:
 
 
 def world_of(value: Any, kinds: Collection[str], name: str) -> World:
-    """A world from what the page has, the same as from its map's text.
+    """A world from the page's format, equal to the one from its map's text.
 
     Args:
-        value: as in `described`.
-        kinds: of the tools that there are.
-        name: what errors call it.
+        value: as returned by `described`.
+        kinds: the known tools.
+        name: the world's name in errors.
 
     Raises:
-        ValueError: it is none; the message names what is wrong.
+        ValueError: the value is not a valid world; the message says why.
     """
     given = checked("drawn", value, ("ground", "agent", "tools", "objects", "drop"))
     rows = given["ground"].split("\n") if isinstance(given["ground"], str) else []
     if len({len(row) for row in rows}) != 1 or set("".join(rows)) - {FLOOR, WALL}:
-        raise ValueError(f"ground is no map; give rows of one length{_GROUND}")
+        raise ValueError(f"ground is not a map; give rows of equal length{_GROUND}")
     if not isinstance(given["drop"], bool):
         raise ValueError(f"drop is {shown(given['drop'])}; give true or false")
     tools = [_tool(one, kinds) for one in _few("tools", given["tools"], 0)]
@@ -95,7 +95,7 @@ def world_of(value: Any, kinds: Collection[str], name: str) -> World:
 
 def _few(name: str, value: Any, least: int) -> list[Any]:
     if not isinstance(value, list) or not least <= len(value) <= THINGS:
-        raise ValueError(f"{name} is no list of {least} to {THINGS} things; give one")
+        raise ValueError(f"{name} is not a list of {least} to {THINGS} things; give one")
     return value
 
 
@@ -104,7 +104,7 @@ def _tool(value: Any, kinds: Collection[str]) -> dict[str, Any]:
     return {
         "kind": one_of("tool", given["kind"], list(kinds)),
         "cell": cell("a tool", given["cell"]),
-        "slip": float(number("a tool's slip", given.get("slip", 0.0), 0, 1)),
+        "slip": float(number("a tool's slip", given.get("slip", 0.0), 0, TOOL_SLIP)),
     }
 
 

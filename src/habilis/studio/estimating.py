@@ -9,8 +9,8 @@ import numpy as np
 
 from habilis.worlds.world import NO_TOOL
 
-_STRETCH = 0.1  # seconds of a step that is part of a longer computation
-_SEEN_OFTEN = 1.96  # standard errors within which 95 % of averages are
+_CHUNK = 0.1  # seconds per step of a longer computation
+_INTERVAL = 1.96  # half width of a 95 % interval, in standard errors
 _NOTHING = 1e-6  # bits: the tolerance to which each is computed
 
 Verdict = dict[str, bool | None]
@@ -19,11 +19,11 @@ Verdict = dict[str, bool | None]
 async def in_stretches(
     count: int, step: Callable[[int, int], Coroutine[Any, Any, list[float]]]
 ) -> AsyncIterator[list[float]]:
-    """All values so far, again and again until there are `count`, each time after a moment.
+    """All values so far, repeatedly until there are `count`, in chunks of short duration.
 
     Args:
-        count: of the values.
-        step: computes those from an index up to another.
+        count: the number of values.
+        step: computes the values from one index up to another.
     """
     bits: list[float] = []
     size = 1
@@ -31,18 +31,18 @@ async def in_stretches(
         began = time.perf_counter()
         bits += await step(len(bits), min(len(bits) + size, count))
         seconds = time.perf_counter() - began
-        size = max(1, min(int(size * _STRETCH / seconds), 2 * size))
+        size = max(1, min(int(size * _CHUNK / seconds), 2 * size))
         yield bits
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """An average that is known so far.
+    """The current estimate of an average.
 
     Attributes:
         bits: the average.
-        within: where it is exact, 0; else the half width of its 95 % interval.
-        some: whether any placement was worth anything.
+        within: the half width of its 95 % interval, 0 if it is exact.
+        some: whether any placement has positive empowerment.
     """
 
     bits: float
@@ -53,15 +53,15 @@ class Estimate:
     def of(cls, values: list[float]) -> "Estimate":
         several = len(values) > 1
         error = float(np.std(values, ddof=1)) / len(values) ** 0.5 if several else float("inf")
-        return cls(float(np.mean(values)), _SEEN_OFTEN * error, max(values) > _NOTHING)
+        return cls(float(np.mean(values)), _INTERVAL * error, max(values) > _NOTHING)
 
 
 def verdicts(known: Mapping[str, Estimate]) -> dict[str, Verdict]:
-    """Whether tools are of use, and better than none or equal to it.
+    """Whether tools are useful, and better than none or equal to it.
 
     Returns:
-        By tool: `useful`, `better_than_none` (`None` where estimates leave that open) and `equal`,
-        where the two averages are the same within the tolerance of both.
+        By tool: `useful`, `better_than_none` (`None` if the estimates leave it open) and `equal`,
+        if the two averages agree within their tolerance.
     """
     bare = known.get(NO_TOOL)
     if bare is None:

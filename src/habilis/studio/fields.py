@@ -1,4 +1,4 @@
-"""Single fields of a message, each checked for what it must be."""
+"""Validation of the fields of a message."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -14,10 +14,10 @@ _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother = 2, 60, 60
 def checked(
     what: str, value: Any, required: Collection[str], optional: Collection[str] = ()
 ) -> dict[str, Any]:
-    """An object that has its fields and no others.
+    """An object with its required fields and no unknown ones.
 
     Raises:
-        ValueError: it is none; the message names the field.
+        ValueError: the value is not such an object; the message names the field.
     """
     if not isinstance(value, dict):
         raise ValueError(f"{what} is {shown(value)}; give an object")
@@ -33,7 +33,7 @@ def checked(
 
 def text(name: str, value: Any) -> str:
     if not isinstance(value, str):
-        raise ValueError(f"{name} is {shown(value)}; give a text")
+        raise ValueError(f"{name} is {shown(value)}; give text")
     return value
 
 
@@ -44,7 +44,7 @@ def one_of(name: str, value: Any, known: Sequence[str]) -> str:
 
 
 def number(name: str, value: Any, least: float, most: float, whole: bool = False) -> Any:
-    """A number from `least` to `most`, an integer if it is to be `whole`."""
+    """A number from `least` to `most`, an integer if `whole`."""
     kind = "whole number" if whole else "number"
     numeric = isinstance(value, int) if whole else isinstance(value, int | float)
     if isinstance(value, bool) or not numeric or not least <= value <= most:
@@ -55,7 +55,7 @@ def number(name: str, value: Any, least: float, most: float, whole: bool = False
 
 
 def cell(name: str, value: Any) -> Cell:
-    """A cell (row, column), on whatever map."""
+    """A cell (row, column), on any map."""
     whole = isinstance(value, list) and len(value) == 2
     if not whole or not all(type(part) is int and abs(part) < 2**31 for part in value):
         raise ValueError(f"{name} has {shown(value)}; give a cell as [row, column]")
@@ -63,5 +63,5 @@ def cell(name: str, value: Any) -> Cell:
 
 
 def shown(value: Any) -> str:
-    """What was sent, or how it begins."""
+    """A value as sent, truncated."""
     return _SHORT.repr(value)

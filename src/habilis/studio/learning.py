@@ -1,4 +1,4 @@
-"""How requests about training, and about what was learned, are answered."""
+"""Answers to requests about trainings and trained runs."""
 
 import time
 from pathlib import Path
@@ -12,12 +12,12 @@ from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import StepError
 from habilis.studio.training import Training, Trainings
 
-_BETWEEN = 1.0  # seconds between two looks at the curve
+_INTERVAL = 1.0  # seconds between two updates of the curve
 
 
 async def train(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
-    """Trains, and tells of the curve while it grows."""
-    assert request.scene is not None, "its message has one"
+    """Trains, and sends the curve while it grows."""
+    assert request.scene is not None, "validated with the message"
     check_installed("learn")
     pools.learning.start()
     with trainings.one(request.scene, dict(request.values["settings"])) as training:
@@ -29,24 +29,26 @@ async def train(pools: Pools, trainings: Trainings, client: Client, request: Req
 
 
 async def _train(pools: Pools, client: Client, number: int, training: Training) -> None:
-    looked, share = float("-inf"), 0.0
+    updated, share = float("-inf"), 0.0
     await client.tell(number, progress=share, name=training.name)
-    async for told in training.told():
-        if "error" in told:
-            raise ValueError(told["error"])
-        share = told.get("share", share)
-        if "share" in told and time.monotonic() - looked >= _BETWEEN:
-            looked = time.monotonic()
+    async for report in training.reports():
+        if "error" in report:
+            raise ValueError(report["error"])
+        share = report.get("share", share)
+        if "share" in report and time.monotonic() - updated >= _INTERVAL:
+            updated = time.monotonic()
             try:
                 curve = await client.step(pools.learning, "curve", folder=str(training.folder))
             except StepError:  # there is no checkpoint yet
                 continue
-            speed = told["steps_per_second"]
+            speed = report["steps_per_second"]
             await client.tell(number, share=share, steps_per_second=speed, **curve)
     try:
         curve = await client.step(pools.learning, "curve", folder=str(training.folder))
     except StepError:
-        raise ValueError("stopped before there was anything to keep; train on") from None
+        raise ValueError(
+            "stopped before the first checkpoint: nothing is kept; train for longer"
+        ) from None
     done = {"name": training.name, "runs": training.config.runs} | {
         name: curve[name] for name in ("converged_at", "best_return")
     }
@@ -54,7 +56,7 @@ async def _train(pools: Pools, client: Client, number: int, training: Training) 
 
 
 async def listed(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
-    """All trainings that have a folder, from any page; damaged ones with the reason."""
+    """All trainings with a folder, from any page; damaged ones with their error."""
     names = trainings.names()
     left_out = max(len(names) - LISTED, 0)
     await client.tell(request.id, names=names[:LISTED], left_out=left_out)
@@ -69,7 +71,7 @@ async def listed(pools: Pools, trainings: Trainings, client: Client, request: Re
 
 
 async def curve(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
-    """How a training has done so far."""
+    """The learning curve of a training so far."""
     folder = trainings.path(request.values["name"])
     await client.tell(request.id, **await client.step(pools.learning, "curve", folder=str(folder)))
 
@@ -77,7 +79,7 @@ async def curve(pools: Pools, trainings: Trainings, client: Client, request: Req
 async def run(
     pools: Pools, trainings: Trainings, folder: Path | None, client: Client, request: Request
 ) -> None:
-    """What one of the runs of a folder learned."""
+    """The policy, values and an episode of one run of a folder."""
     values: dict[str, Any] = {"index": request.values["index"]}
     if "name" in request.values:
         folder = trainings.path(request.values["name"])

@@ -1,29 +1,31 @@
-"""What the studio computes at most, for it answers while somebody waits."""
+"""Limits of the studio, which has to respond quickly. The page gets them in the greeting."""
 
 SIDES = (4, 30)
-"""Rows or columns of a map, least and most."""
+"""The smallest and largest number of rows, and of columns, of a map."""
 THINGS = 4
-"""Tools, and objects, on a map."""
+"""Tools of a map, and objects."""
 HORIZON = 10
 SLIP = 0.5
+TOOL_SLIP = 1.0
 
 MESSAGE = 64 * 1024
 """Characters of a message."""
 CLIENTS = 200
 
 SECONDS = 60.0
-"""That one step of a computation may take, by an estimate or else by the clock."""
+"""For one step of a computation, by an estimate or else by the clock."""
 GIB = 2.0
 DRAWN, FEWEST = 400, 30
-"""Placements that an average is estimated from, where all of them are too many; and at least."""
+"""Largest and smallest number of random placements that an average is estimated from."""
 
 TRAINING = {
     "runs": 10,
     "episodes": 100_000,
+    "seed": 2**32 - 1,
     "placements": 400_000,
     "at_once": 2,
     "waiting": 8,
 }
-"""Of a training; how many train at once, and how many may wait for that."""
+"""Of a training; `at_once` may train in parallel while `waiting` more are queued."""
 LISTED = 200
-"""Kept trainings of which a page is told, the latest."""
+"""Kept trainings that a page lists, newest first."""

@@ -1,4 +1,4 @@
-"""What a training on the page may choose from, in words, and what is chosen at first."""
+"""The choices of a training on the page, with labels, and its initial settings."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ INTRINSIC = {
     "state": "Empowerment over everything",
     "tool": "Empowerment over the tool",
     "agent": "Empowerment over the agent",
-    COUNT: "Counts of visits",
+    COUNT: "Visit counts",
     DISTILLATION: "Random network distillation",
 }
 ALGORITHMS = {
@@ -28,12 +28,12 @@ FIRST: dict[str, Any] = {
     "algorithm": "a2c",
     "episodes": 2_000,
 }
-"""Settings as `habilis.learning.config.Config` has them: of the yard, the paper's."""
+"""Settings of `habilis.learning.config.Config`: those of the paper for the yard."""
 WITHOUT_HORIZON = (NO_INTRINSIC, COUNT, DISTILLATION)
 
 
 def offered() -> dict[str, Any]:
-    """As a page is told of it."""
+    """The choices in the server's greeting."""
     return {
         "intrinsic": INTRINSIC,
         "algorithms": ALGORITHMS,

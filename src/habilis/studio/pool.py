@@ -1,4 +1,4 @@
-"""Processes that do steps of work, any of which can be ended at any moment."""
+"""A pool of worker processes, each of which can be ended at any moment."""
 
 import asyncio
 import contextlib
@@ -17,25 +17,25 @@ from habilis.studio.worker import LENGTH
 _LONGEST_ANSWER = 64 * 2**20
 _NICE = 10
 Result = TypeVar("Result")
-TOO_LONG = f"it takes more than {SECONDS:g} s; make the world or the horizon smaller"
+TOO_LONG = f"the computation takes more than {SECONDS:g} s; make the world or the horizon smaller"
 
 
 class StepError(ValueError):
-    """What a step came to instead of an answer; one line."""
+    """The error of a step, in one line."""
 
 
 class Pool:
     """Worker processes.
 
-    A worker is started when it is first needed and kept. One whose step is cancelled while it runs
-    is given a moment to come to its end, for a new process takes longer to start than most steps
-    take; then it is ended, and another takes its place.
+    A worker is started on first use and kept. If its step is cancelled while it runs, it gets some
+    time to finish, since a new process takes longer to start than most steps take; then it is
+    ended and replaced.
 
     Attributes:
-        module: whose `STEPS` they do.
-        size: how many at most.
-        patience: seconds that a cancelled step is given.
-        background: whether all else that the machine does goes first.
+        module: the module whose `STEPS` they run.
+        size: the largest number of workers.
+        patience: seconds that a cancelled step gets to finish.
+        background: whether they run at low priority.
     """
 
     def __init__(self, module: str, size: int, patience: float, background: bool = False):
@@ -48,33 +48,33 @@ class Pool:
         self._tasks: set[asyncio.Task[Any]] = set()
 
     def start(self) -> None:
-        """Begins to start all of its workers, ahead of need."""
+        """Starts all workers in advance."""
         if not self._begun:
             self._begun = True
             for _ in range(self.size):
                 self._later(self._fill())
 
     def processes(self) -> list[int]:
-        """The numbers of the processes that there are."""
+        """The ids of the running processes."""
         return sorted(worker.pid for worker in self._all)
 
     async def do(self, turn: asyncio.Lock, name: str, **arguments: Any) -> Any:
-        """Has a step done.
+        """Runs a step.
 
-        Those who wait are served in the order in which they came.
+        Requests are served in order of arrival.
 
         Args:
-            turn: of whoever asks, who has only one step done at a time, a cancelled one included.
-            name: of the step.
-            **arguments: its own.
+            turn: the caller's lock: it runs one step at a time, including a cancelled one.
+            name: the name of the step.
+            **arguments: its arguments.
 
         Raises:
-            StepError: in the words of whatever refused it.
+            StepError: the step failed; it has the step's own message.
         """
         async with contextlib.AsyncExitStack() as held:
             await held.enter_async_context(turn)
             await held.enter_async_context(self._places)
-            worker = await self._next()  # which may take its time: it is not the step's
+            worker = await self._next()  # starting one does not count towards the step's time
             exchange = asyncio.create_task(_exchange(worker, name, arguments))
             try:
                 async with asyncio.timeout(SECONDS):
@@ -92,7 +92,7 @@ class Pool:
         return answer["answer"]
 
     async def close(self) -> None:
-        """Ends all workers, those that are just being started too."""
+        """Ends all workers, including those that are starting."""
         tasks = list(self._tasks)
         for task in tasks:
             task.cancel()
@@ -100,7 +100,7 @@ class Pool:
         await asyncio.gather(*(self._end(worker) for worker in list(self._all)))
 
     def _later(self, work: Coroutine[Any, Any, Result]) -> "asyncio.Task[Result]":
-        """Does something beside all else; it is not forgotten when the pool is closed."""
+        """Runs something in the background, which ends when the pool is closed."""
         task = asyncio.create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
@@ -109,7 +109,7 @@ class Pool:
     async def _after(
         self, worker: Process, exchange: "asyncio.Task[Any]", held: contextlib.AsyncExitStack
     ) -> None:
-        """Waits for a cancelled step, but not for long."""
+        """Gives a cancelled step some time to finish."""
         try:
             async with asyncio.timeout(self.patience):
                 await exchange
@@ -120,7 +120,7 @@ class Pool:
             await held.aclose()
 
     async def _replace(self, worker: Process, held: contextlib.AsyncExitStack) -> None:
-        """Ends a worker and starts another; only then whoever had it has its turn again."""
+        """Ends a worker and starts another, before its caller's turn is released."""
         async with held:
             await self._end(worker)
             with contextlib.suppress(StepError):
@@ -129,11 +129,11 @@ class Pool:
     async def _fill(self) -> None:
         async with self._places:
             if len(self._all) < self.size:
-                with contextlib.suppress(StepError):  # whoever needs it will hear of it
+                with contextlib.suppress(StepError):  # the next step will report it
                     self._idle.append(await self._started())
 
     async def _next(self) -> Process:
-        """A worker that waits for work. One that is starting is not lost if nobody wants it now."""
+        """An idle worker. One that is starting is kept even if its step is cancelled."""
         while self._idle:
             worker = self._idle.popleft()
             if worker.returncode is None:
@@ -156,7 +156,7 @@ class Pool:
         Raises:
             StepError: it ended instead.
         """
-        # Two threads of linear algebra each would only get in each other's way.
+        # More linear-algebra threads per worker would only compete with each other.
         alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
         worker = await asyncio.create_subprocess_exec(
             sys.executable,
@@ -168,7 +168,7 @@ class Pool:
         )
         self._all.add(worker)
         if self.background:
-            with contextlib.suppress(AttributeError, OSError):  # not every system has it
+            with contextlib.suppress(AttributeError, OSError):  # not available everywhere
                 os.setpriority(os.PRIO_PROCESS, worker.pid, _NICE)
         assert worker.stdout is not None
         if not await worker.stdout.readline():

@@ -1,9 +1,9 @@
-"""Who may talk to the studio: only pages that it served itself.
+"""Access control: only pages served by the studio itself may use it.
 
-Any page that is open in a browser may send requests to loopback addresses, in the name of the
-person in front of it. Two headers that pages cannot choose give it away: `Origin`, which page sent
-it, and `Host`, under which name it found us (an attacker's own, with its address changed to ours:
-DNS rebinding).
+Any page open in a browser can send requests to loopback addresses on the user's behalf. Two
+headers that pages cannot choose reveal it: `Origin`, the page that sent the request, and `Host`,
+the name by which it found the server (an attacker's name that resolves to our address is DNS
+rebinding).
 """
 
 import hmac
@@ -25,13 +25,13 @@ _REFUSED = 1008  # a WebSocket's close code: policy violation
 
 @dataclass(frozen=True)
 class Access:
-    """Who may talk to the studio.
+    """The access rules of a server.
 
     Attributes:
-        names: the names by which it may be addressed, in small letters.
-        any_address: whether also by any IP address (a number cannot be rebound to ours).
-        port: the only one.
-        token: what requests must show; `None` where only this machine can reach it.
+        names: the host names that requests may use, in lower case.
+        any_address: whether they may also use any IP address (which cannot be rebound).
+        port: the only port.
+        token: the token that requests must have; `None` if only this machine can reach the server.
     """
 
     names: frozenset[str]
@@ -41,21 +41,21 @@ class Access:
 
     @classmethod
     def of(cls, host: str, port: int) -> "Access":
-        """That of a server on an address: with a token, unless it is loopback's."""
+        """The rules of a server on an address: with a token, unless it is a loopback address."""
         if is_loopback(host):
             return cls(frozenset({*_LOOPBACK, host.lower()}), False, port, None)
         names = {*_LOOPBACK, host.lower(), socket.gethostname().lower(), socket.getfqdn().lower()}
         return cls(frozenset(names), _is_wildcard(host), port, secrets.token_urlsafe(24))
 
     def address(self, host: str) -> str:
-        """What to open in a browser, token and all."""
+        """The address to open in a browser, including the token."""
         name = socket.gethostname() if _is_wildcard(host) else host
         name = f"[{name}]" if ":" in name else name
         token = "" if self.token is None else f"?{TOKEN}={self.token}"
         return f"http://{name}:{self.port}/{token}"
 
     def knows(self, host: str | None) -> bool:
-        """Whether a `Host` header names us."""
+        """Whether a `Host` header names this server."""
         try:
             parts = urlsplit(f"//{host}")
             name, port = parts.hostname, parts.port or 80
@@ -73,19 +73,19 @@ class Access:
         )
 
     def refusal(self, headers: Headers, query: str, open_to_all: bool) -> str | None:
-        """Why a request is refused, or `None`.
+        """The reason to refuse a request, or `None`.
 
         Args:
-            headers: the request's.
-            query: what its address has behind the question mark.
+            headers: the request's headers.
+            query: the query string of its address.
             open_to_all: whether it needs no token.
         """
         if len(headers.getlist("host")) != 1 or not self.knows(headers["host"]):
-            return "this address is not the studio's; open the one that it printed"
+            return "this is not the studio's address; open the one that it printed"
         for origin in headers.getlist("origin"):
             scheme, _, host = origin.partition("://")
             if scheme != "http" or host != headers["host"]:
-                return "a page of somebody else's may not use the studio; open the studio's own"
+                return "a page of another origin may not use the studio; open the studio's own page"
         if self.token is None or open_to_all:
             return None
         given = parse_qs(query, max_num_fields=20).get(TOKEN, [""])
@@ -95,7 +95,7 @@ class Access:
 
 
 class Guard:
-    """Lets through only what `access` allows, and tells browsers to be as careful."""
+    """Middleware that passes only requests allowed by `access`, and sets security headers."""
 
     def __init__(self, app: ASGIApp, access: Access, open_paths: Iterable[str] = ()):
         self.app, self.access, self.open_paths = app, access, tuple(open_paths)
@@ -143,7 +143,7 @@ def _is_address(host: str) -> bool:
 
 
 def _careful(send: Send, host: str) -> Send:
-    """Adds to an answer what the page may do: nothing with any other host."""
+    """Adds the headers that restrict the page to its own host."""
     policy = (
         "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
         f"connect-src 'self' ws://{host}; object-src 'none'; base-uri 'none'; form-action 'none'; "
@@ -152,7 +152,7 @@ def _careful(send: Send, host: str) -> Send:
     added = {
         "content-security-policy": policy,
         "x-content-type-options": "nosniff",
-        "referrer-policy": "no-referrer",  # the address may have the token in it
+        "referrer-policy": "no-referrer",  # the address may contain the token
         "cross-origin-resource-policy": "same-origin",
         "cross-origin-opener-policy": "same-origin",
     }

@@ -1,4 +1,4 @@
-"""The studio's server: one page, and one WebSocket a page."""
+"""The studio's server: one page, and one WebSocket per open page."""
 
 import asyncio
 import contextlib
@@ -25,7 +25,16 @@ from habilis.studio import answering, learning
 from habilis.studio.answering import Pools
 from habilis.studio.clients import Client
 from habilis.studio.drawn import described
-from habilis.studio.limits import CLIENTS, HORIZON, MESSAGE, SIDES, SLIP, THINGS, TRAINING
+from habilis.studio.limits import (
+    CLIENTS,
+    HORIZON,
+    MESSAGE,
+    SIDES,
+    SLIP,
+    THINGS,
+    TOOL_SLIP,
+    TRAINING,
+)
 from habilis.studio.messages import MessageError, Request, read
 from habilis.studio.offered import offered
 from habilis.studio.security import Access, Guard
@@ -38,23 +47,23 @@ from habilis.worlds.tools import TOOLS, drawing_of
 from habilis.worlds.world import NO_TOOL, load_world, world_names
 
 PAGE = Path(__file__).parent / "page"
-_FRAME = 16 * MESSAGE  # bytes; up to here what is too long is answered, above the line is cut
-_GRACE = 2  # seconds that connections have to end in
+_FRAME = 16 * MESSAGE  # bytes; longer messages close the connection, shorter ones get an error
+_GRACE = 2  # seconds for connections to close
 _FULL = 1013  # a WebSocket's close code: try again later
 
 
 @dataclass(frozen=True)
 class Studio:
-    """What a server has.
+    """The state of a server.
 
     Attributes:
-        access: who may use it.
-        pools: its processes.
-        trainings: those that pages have asked for.
-        tools: names of the tools of somebody's own.
-        run: the folder of a trained run to show, and `shown`, what pages are told of it.
-        kept: the folder in which trainings are kept, if they are kept when the server ends.
-        clients: those that are connected.
+        access: the access rules.
+        pools: the worker processes.
+        trainings: the trainings requested by pages.
+        tools: names of custom tools.
+        run: the folder of a trained run to show, and `shown`, its summary for pages.
+        kept: the folder in which trainings outlive the server, if there is one.
+        clients: the connected clients.
     """
 
     access: Access
@@ -71,7 +80,7 @@ class Studio:
         return *TOOLS, *self.tools
 
     def hello(self) -> dict[str, Any]:
-        """What a page is told first."""
+        """The greeting of a page."""
         shapes = SHAPES | {name: drawing_of(tool_named(name)) for name in self.tools}
         return {
             "version": habilis.__version__,
@@ -84,6 +93,7 @@ class Studio:
                 "things": THINGS,
                 "horizon": HORIZON,
                 "slip": SLIP,
+                "tool_slip": TOOL_SLIP,
                 "message": MESSAGE,
                 "training": TRAINING,
             },
@@ -97,13 +107,13 @@ class Studio:
         }
 
     async def answer(self, client: Client, request: Request) -> None:
-        """Begins to answer a request."""
+        """Starts to answer a request."""
         pools, trainings = self.pools, self.trainings
         if request.do == "stop":
             await client.stop(request.id)
             return
         if request.do == "train" and client.trainings:
-            await client.tell(request.id, error="a training is under way; stop it first")
+            await client.tell(request.id, error="a training is in progress; stop it first")
             return
         if request.do == "measure":
             work = answering.measure(pools, self.all_tools, client, request)
@@ -153,7 +163,9 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
         return
 
     async def send(text: str) -> None:
-        with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # the loop below hears of it
+        with contextlib.suppress(
+            WebSocketDisconnect, RuntimeError
+        ):  # the loop below handles the disconnect
             await socket.send_text(text)
 
     client = Client(send)
@@ -170,7 +182,7 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
                 await client.tell(error.id, error=str(error))
             else:
                 await studio.answer(client, request)
-            await asyncio.sleep(0)  # whoever sends without a pause does not keep others waiting
+            await asyncio.sleep(0)  # a client that sends without pause does not block others
     except WebSocketDisconnect:
         pass
     finally:
@@ -189,20 +201,20 @@ def opened(
     """A studio on an address, ready to be served.
 
     Args:
-        host, port: where to listen; port 0 is any that is free.
-        folder: where trainings are written that nobody wants to keep.
-        tools: names of tools of somebody's own.
+        host, port: the address to listen on; port 0 chooses a free one.
+        folder: the folder for temporary trainings.
+        tools: names of custom tools.
         run: the folder of a trained run to show.
-        kept: another folder for trainings, in which they are to be kept.
+        kept: the folder in which to keep trainings instead.
 
     Raises:
-        ValueError: the address is none of this machine's, a tool or run does not exist or is there
-            already, or `kept` cannot be written to.
+        ValueError: the address does not belong to this machine, a tool or run does not exist, a
+            tool is given twice, or `kept` is not writable.
     """
     for place, name in enumerate(tools):
-        tool_named(name)  # which says what is wrong with it
+        tool_named(name)  # raises if it is not a valid tool
         if name in (*TOOLS, *tools[:place]):
-            raise ValueError(f"tool {name!r} is there already; leave it out")
+            raise ValueError(f"tool {name!r} is given twice or built in; leave it out")
     shown = None if run is None else import_from("habilis.studio.trained", "learn").described(run)
     if kept is not None:
         check_installed("learn")
@@ -214,10 +226,10 @@ def opened(
 
 
 def listening(host: str, port: int) -> socket.socket:
-    """A socket that listens.
+    """A listening socket.
 
     Raises:
-        ValueError: the address is none of this machine's, or taken.
+        ValueError: the address does not belong to this machine, or is in use.
     """
     if not 0 <= port <= 65_535:
         raise ValueError(f"port is {port}; give one from 0 (any) to 65535")
@@ -229,19 +241,19 @@ def listening(host: str, port: int) -> socket.socket:
         found = socket.socket(family, kind, number)
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         found.bind(address)
-        found.listen()  # from now on browsers wait for an answer
+        found.listen()  # from now on browsers can connect
     except (OSError, UnicodeError) as error:
         if found is not None:
             found.close()
         reason = getattr(error, "strerror", None) or error
         raise ValueError(
-            f"{host}, port {port}: cannot be listened on ({reason}); give another --host or --port"
+            f"{host}, port {port}: cannot listen there ({reason}); give another --host or --port"
         ) from None
     return found
 
 
 def serve(studio: Studio, found: socket.socket) -> None:
-    """Serves until it is interrupted."""
+    """Serves until interrupted."""
     config = uvicorn.Config(
         application(studio),
         log_level="error",

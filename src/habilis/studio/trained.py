@@ -1,4 +1,4 @@
-"""What the studio shows of a run's folder, whether training in it has ended or not."""
+"""Steps about a run's folder, whether its training has ended or not."""
 
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from habilis.studio.work import Answer, placed, state_of
 from habilis.worlds.placements import Placement
 from habilis.worlds.rules import NONE
 
-_POINTS = 150  # of a curve: more than a page has room for
+_POINTS = 150  # of a curve, enough for a page
 _DIGITS = 5
 
 
@@ -38,7 +38,7 @@ def described(folder: Path) -> Answer:
 
 
 def kept(folder: str) -> Answer:
-    """A run's settings, world and outcome, without what takes long to read.
+    """A run's settings, world and outcome, without the files that take long to read.
 
     Raises:
         ValueError: its files are damaged.
@@ -49,7 +49,7 @@ def kept(folder: str) -> Answer:
     outcome: Answer = {"converged_at": None, "best_return": None}
     if ended:
         outcome = read_summary(path, config)
-    elif not checkpoints(path) and not is_finished(path):  # it may just have come to its end
+    elif not checkpoints(path) and not is_finished(path):  # it may just have ended
         outcome["error"] = "ended before its first checkpoint: there is nothing to watch"
     return outcome | {
         "runs": config.runs,
@@ -60,22 +60,22 @@ def kept(folder: str) -> Answer:
 
 
 def curve(folder: str) -> Answer:
-    """How the runs have done so far, on average; no curve while one has not ended an episode."""
+    """The average learning curve so far; no curve before every run has finished an episode."""
     return _curve(load_latest(folder))
 
 
 def view(folder: str, index: int, at: Placement | None = None) -> Answer:
-    """What one of the runs learned.
+    """The policy, values and a greedy episode of one of the runs.
 
     Args:
-        folder: of the run.
-        index: which of its runs.
-        at: where agent, object and tool are when the episode begins, the latter also for what is
-            shown of every agent cell; by default where the map has them.
+        folder: the folder of the training.
+        index: the index of the run.
+        at: the placement in which the episode begins, whose tool and object also hold for the
+            values of every agent cell; by default the map's.
 
     Returns:
-        The greedy episode; along it, and for every agent cell, the probability of each action and
-        the value; the curve, and the best return from there.
+        The greedy episode; along it, and for every agent cell, the action probabilities and the
+        value; the curve, and the best return from the placement.
     """
     run = load_latest(folder)
     mdp = table_of(run)
@@ -88,7 +88,7 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
     shape = run.world.height, run.world.width
     grids: Any = [[[None] * shape[1] for _ in range(shape[0])] for _ in range(2)]
     shown = np.flatnonzero(here)
-    if LAID in mdp.factors:  # as in a landscape, what is beside the agent is in hand if it can be
+    if LAID in mdp.factors:  # as in a landscape, an adjacent tool is in hand if possible
         shown = shown[np.argsort(mdp.factor(LAID)[shown] != NONE, kind="stable")]
     for state in shown:
         row, column = divmod(int(mdp.factor("agent")[state]), shape[1])
@@ -115,7 +115,7 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
 
 
 def rounded(values: np.ndarray) -> Any:
-    """A number or numbers, as precise as anybody can see."""
+    """Numbers, rounded to what is visible."""
     return np.vectorize(lambda value: float(f"{value:.{_DIGITS}g}"))(values).tolist()
 
 
@@ -145,8 +145,8 @@ def _curve(run: Run) -> Answer:
 
 
 def prepare(background: bool) -> None:
-    """Nothing: the imports above are what takes time."""
+    """Does nothing: only the imports above take time."""
 
 
 STEPS = {one.__name__: one for one in (kept, curve, view)}
-"""What a process may be asked to do, by name."""
+"""The steps that a worker can run, by name."""

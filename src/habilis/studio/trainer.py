@@ -1,9 +1,9 @@
-"""A process that trains one configuration in a folder, and tells how far it has come.
+"""A process that trains one configuration in a folder, and reports its progress.
 
 python -m habilis.studio.trainer FOLDER
 
-Standard input has one line, the settings as JSON. Standard output has a line for every stretch of
-training, and one for how it ended: `{"ended": true}`, `{"stopped": true}` or `{"error": one line}`.
+Standard input has one line, the settings as JSON. Standard output has a line for every chunk of
+training, and one for its end: `{"ended": true}`, `{"stopped": true}` or `{"error": one line}`.
 """
 
 import json
@@ -25,33 +25,33 @@ CHECKPOINT_SECONDS = 1.0
 
 def main(folder: str) -> None:
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # somebody's own tool may print
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a custom tool may print
 
-    def tell(**told: Any) -> None:
-        print(json.dumps(told), file=answers, flush=True)
+    def report(**fields: Any) -> None:
+        print(json.dumps(fields), file=answers, flush=True)
 
     def show(progress: Progress) -> None:
-        tell(share=progress.share, steps_per_second=progress.steps_per_second)
+        report(share=progress.share, steps_per_second=progress.steps_per_second)
 
     try:
         config = Config.from_dict(json.loads(sys.stdin.readline()))
         check_reach(load_world(config.world))
         train(config, show, out=Path(folder), checkpoint_seconds=CHECKPOINT_SECONDS)
     except KeyboardInterrupt:
-        tell(stopped=True)
+        report(stopped=True)
     except (ValueError, FloatingPointError, OSError) as error:
-        tell(error=str(error))
+        report(error=str(error))
     else:
-        tell(ended=True)
+        report(ended=True)
 
 
 def check_reach(world: World) -> None:
-    """Refuses maps on which tools that are put down here and there make too many placements.
+    """Refuses maps on which dropped tools make too many placements.
 
-    How many there can be is known beforehand only where a tool stays in hand.
+    Their number is known in advance only if a tool stays in hand.
 
     Raises:
-        ValueError: naming the map.
+        ValueError: the map has too many placements.
     """
     if not world.drop:
         return
@@ -60,8 +60,8 @@ def check_reach(world: World) -> None:
         reachable(world, start_of(world), None, most)
     except TooManyPlacementsError:
         raise ValueError(
-            f"{world.name}: tools put down here and there make more than {most:,} placements; take "
-            "things away, or make the map smaller"
+            f"{world.name}: dropped tools make more than {most:,} placements; remove things, "
+            "or make the map smaller"
         ) from None
 
 

@@ -1,4 +1,4 @@
-"""Trainings that pages ask for: the real trainer, a process each, in folders of their own."""
+"""Trainings requested by pages: one trainer process and one folder each."""
 
 import asyncio
 import contextlib
@@ -19,18 +19,18 @@ from habilis.studio.scenes import Scene
 from habilis.worlds.rules import Grid
 
 _NICE = 10
-_GRACE = 15  # seconds in which a trainer that is stopped writes its last checkpoint
+_GRACE = 15  # seconds for a stopped trainer to write its last checkpoint
 _NAME = 4  # random bytes
 _OF_A_RUN = ("config.json", "world.txt", "summary.json")
 _DIED = "the trainer ended unexpectedly; train fewer runs at once, or on a smaller map"
 
 
 class Training:
-    """One training, from its wish to its end.
+    """One training, from its request to its end.
 
     Attributes:
-        name: by which what came of it can be asked for.
-        folder: where the trainer keeps its run.
+        name: the name of its result in requests.
+        folder: the folder of its run.
         config: its configuration.
     """
 
@@ -41,13 +41,13 @@ class Training:
         self._stop = False
 
     def stop(self) -> None:
-        """Leaves it at that; what there is is kept."""
+        """Stops, and keeps the progress."""
         self._stop = True
         if self._process is not None:
             _terminate(self._process)
 
-    async def told(self) -> AsyncIterator[dict[str, Any]]:
-        """Trains, and yields what the trainer tells; ends it if nobody listens any more."""
+    async def reports(self) -> AsyncIterator[dict[str, Any]]:
+        """Trains, and yields the trainer's reports; ends it if the consumer stops."""
         async with self._places:
             if self._stop:
                 return
@@ -61,7 +61,7 @@ class Training:
                 while line := await process.stdout.readline():
                     last = json.loads(line)
                     yield last
-                silent = True  # it is just ending by itself
+                silent = True  # it is ending by itself
                 if not self._stop and not last.keys() & {"ended", "stopped", "error"}:
                     yield {"error": _DIED}
             finally:
@@ -71,12 +71,12 @@ class Training:
 
 
 class Trainings:
-    """All trainings of a server, so many at once.
+    """All trainings of a server, of which a limited number run in parallel.
 
     Attributes:
-        folder: in which each has a folder, by its name, and beside it its map. It is made when it
-            is first needed.
-        under_way: the names of those that train or wait.
+        folder: contains a folder for each, by its name, and beside it its map. It is created on
+            first use.
+        under_way: the names of those that are training or queued.
     """
 
     def __init__(self, folder: Path):
@@ -85,14 +85,14 @@ class Trainings:
         self.under_way: set[str] = set()
 
     def names(self) -> list[str]:
-        """The names of the folders that have a run, or what is left of one; the latest first.
+        """The names of the folders that have a run, or the remains of one; newest first.
 
         Raises:
             ValueError: the folder cannot be read.
         """
         try:
             folders = [path for path in self.folder.iterdir() if not path.name.startswith(".")]
-        except FileNotFoundError:  # there is no training yet
+        except FileNotFoundError:  # no training yet
             return []
         except OSError as error:
             raise ValueError(f"{self.folder}: cannot be read ({error.strerror})") from None
@@ -102,15 +102,13 @@ class Trainings:
         )
 
     def path(self, name: str) -> Path:
-        """Where a training keeps its run.
+        """The folder of a training's run.
 
         Raises:
-            ValueError: there is none of that name.
+            ValueError: there is no training with that name.
         """
-        if name not in self.names():  # a name from a page never makes a path of its own
-            raise ValueError(
-                f"no training has the name {shown(name)}; use one of those that are listed"
-            )
+        if name not in self.names():  # a name from a page must never become a path
+            raise ValueError(f"no training has the name {shown(name)}; use one of those listed")
         return self.folder / name
 
     @contextlib.contextmanager
@@ -118,10 +116,10 @@ class Trainings:
         """A new training.
 
         Raises:
-            ValueError: what is wrong with its settings, in the trainer's words; or others wait.
+            ValueError: its settings are invalid, with the trainer's message; or the queue is full.
         """
         if len(self.under_way) >= TRAINING["at_once"] + TRAINING["waiting"]:
-            raise ValueError(f"{TRAINING['waiting']} trainings wait already; try again later")
+            raise ValueError(f"{TRAINING['waiting']} trainings are queued already; try again later")
         check_trainable(scene)
         name = secrets.token_hex(_NAME)
         drawn = self.folder / f"{name}.txt"
@@ -135,15 +133,15 @@ class Trainings:
             yield Training(name, self.folder / name, config, self._places)
         finally:
             self.under_way.discard(name)
-            if not (self.folder / name).exists():  # it came to nothing
+            if not (self.folder / name).exists():  # it did not start
                 drawn.unlink(missing_ok=True)
 
 
 def check_trainable(scene: Scene) -> None:
-    """Refuses what would train for ever.
+    """Refuses worlds that would take too long to train in.
 
     Raises:
-        ValueError: naming it.
+        ValueError: the world has too many placements.
     """
     free, world = len(Grid.of(scene.world).free), scene.world
     placements = free ** (1 + len(world.objects)) * (1 + 4 * len(world.tools))
@@ -155,7 +153,7 @@ def check_trainable(scene: Scene) -> None:
 
 
 def _began(folder: Path) -> float:
-    """When a run was begun in a folder; 0 where there is nothing of one."""
+    """The time at which a run was started in a folder; 0 if there is none."""
     for name in _OF_A_RUN:
         with contextlib.suppress(OSError):
             return (folder / name).stat().st_mtime
@@ -180,7 +178,7 @@ async def _started(folder: Path, config: Config) -> Process:
         stdin=PIPE,
         stdout=PIPE,
     )
-    with contextlib.suppress(AttributeError, OSError):  # not every system has it
+    with contextlib.suppress(AttributeError, OSError):  # not available everywhere
         os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
     assert process.stdin is not None
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
@@ -191,7 +189,7 @@ async def _started(folder: Path, config: Config) -> Process:
 
 
 async def _ended(process: Process) -> None:
-    """Lets a trainer that is to end write its last checkpoint, and sees it out."""
+    """Waits until a stopping trainer has written its last checkpoint and ended."""
     try:
         async with asyncio.timeout(_GRACE):
             await process.wait()

@@ -1,10 +1,10 @@
-"""A process that does steps of work, one after the other, until its standard input ends.
+"""A worker process: it runs steps one after the other until its standard input ends.
 
 python -m habilis.studio.worker MODULE BACKGROUND
 
-A line says that it is ready. A request is its length in four bytes and a pickled (name, arguments);
-an answer is a line of JSON, `{"answer": ...}` or `{"error": one line}`. Whoever started it may end
-it at any moment.
+It prints a line when it is ready. A request is its length in four bytes and a pickled (name,
+arguments); an answer is a line of JSON, `{"answer": ...}` or `{"error": one line}`. Its parent may
+end it at any moment.
 """
 
 import contextlib
@@ -34,16 +34,16 @@ def _answer(steps: Mapping[str, Callable[..., Any]], request: bytes) -> str:
         return json.dumps({"answer": steps[name](**arguments)}, allow_nan=False)
     except MemoryError:
         return json.dumps({"error": NOT_ENOUGH})
-    except Exception as error:  # of whatever kind: it is the asker's to hear of, not ours to die of
+    except Exception as error:  # of any kind: it is reported to the caller, and the worker goes on
         return json.dumps({"error": str(error) or type(error).__name__})
 
 
 def main(module: str, background: str) -> None:
-    # Ctrl-C reaches all processes of a terminal; when to end is for the one that started us.
+    # Ctrl-C reaches all processes of a terminal, but only the parent decides when to end.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    warnings.simplefilter("ignore")  # what is uncertain is in the answers
+    warnings.simplefilter("ignore")  # the answers contain the uncertainty
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # somebody's own tool may print
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a custom tool may print
     steps = import_module(module)
     steps.prepare(bool(int(background)))
     print(json.dumps("ready"), file=answers, flush=True)

@@ -13,7 +13,7 @@ export const FRESH: Omit<Scene, "world" | "bare"> = {
   slip: 0,
 };
 
-/** What there is to choose from. */
+/** The available choices, from the server's greeting. */
 export interface Known {
   readonly tools: readonly string[];
   readonly objects: readonly string[];
@@ -22,14 +22,15 @@ export interface Known {
     readonly things: number;
     readonly horizon: number;
     readonly slip: number;
+    readonly tool_slip: number;
   };
 }
 
-/** What a link says, as far as it can be read. */
+/** The readable part of a link. */
 export interface Opened {
   /** Null where there is no link, or its map cannot be read. */
   readonly shown: { readonly scene: Scene; readonly view: string } | null;
-  /** What is wrong with it. */
+  /** Its problems, each a clause. */
   readonly faults: readonly string[];
 }
 
@@ -38,7 +39,7 @@ const FIRST_OBJECT = "can";
 const FIRST_VIEW = "design";
 const LONGEST = 40; // characters of a link that are quoted
 
-/** What comes after the `#`; what is as in a fresh page is left out. */
+/** The part after the `#`; defaults are omitted. */
 export function toFragment(scene: Scene, view: string): string {
   const { world } = scene;
   const tool = toolOf(scene) ?? world.tools[0]!.kind;
@@ -59,10 +60,10 @@ export function toFragment(scene: Scene, view: string): string {
   return parts.join("&");
 }
 
-/** The scene and the view that a fragment says, and what of it cannot be shown. */
+/** The scene and the view of a fragment, and the parts of it that cannot be shown. */
 export function fromFragment(fragment: string, known: Known, views: readonly string[]): Opened {
-  const said = new URLSearchParams(fragment.replace(/^#/, ""));
-  const names = [...said.keys()];
+  const fields = new URLSearchParams(fragment.replace(/^#/, ""));
+  const names = [...fields.keys()];
   if (!names.length) return { shown: null, faults: [] };
   if (!names.some((name) => FIELDS.includes(name))) {
     return { shown: null, faults: [`${quoted(fragment)} is not a link of the studio`] };
@@ -70,46 +71,46 @@ export function fromFragment(fragment: string, known: Known, views: readonly str
   const faults: string[] = [];
   for (const name of new Set(names)) {
     if (!FIELDS.includes(name)) faults.push(`its field ${quoted(name)} is unknown`);
-    else if (said.getAll(name).length > 1) faults.push(`it has ${name} more than once, and the first is used`);
+    else if (fields.getAll(name).length > 1) faults.push(`its field ${name} occurs more than once, and the first is used`);
   }
   try {
-    return { shown: read(said, known, views, faults), faults };
+    return { shown: read(fields, known, views, faults), faults };
   } catch (error) {
     if (!(error instanceof Unreadable)) throw error;
     return { shown: null, faults: [error.message] };
   }
 }
 
-/** A link without a map that can be shown. */
+/** The error of a link without a readable map. */
 class Unreadable extends Error {}
 
-/** The scene of a link that has a map; what else is wrong goes to `faults`. */
-function read(said: URLSearchParams, known: Known, views: readonly string[], faults: string[]): { scene: Scene; view: string } {
+/** The scene of a link that has a map; other problems are added to `faults`. */
+function read(fields: URLSearchParams, known: Known, views: readonly string[], faults: string[]): { scene: Scene; view: string } {
   const { limits } = known;
-  const { world, complete } = worldOf(said, known, faults);
-  const bare = !world.tools.length || (said.get("t") ?? NO_TOOL) === NO_TOOL;
+  const { world, complete } = worldOf(fields, known, faults);
+  const bare = !world.tools.length || (fields.get("t") ?? NO_TOOL) === NO_TOOL;
   const one = <Name extends string>(what: string, name: string, of: readonly string[], fresh: Name): Name => {
-    const value = said.get(name) ?? fresh;
+    const value = fields.get(name) ?? fresh;
     if (of.includes(value)) return value as Name;
     faults.push(`its ${what} ${quoted(value)} is unknown, and ${fresh} is used`);
     return fresh;
   };
   const number = (what: string, name: string, fresh: number, most: number, whole: boolean) =>
-    numberOf(what, said.get(name), fresh, most, whole, faults);
+    numberOf(what, fields.get(name), fresh, most, whole, faults);
 
   let sensor = one<Sensor>("sensor", "s", Object.keys(SENSORS), FRESH.sensor);
   let thing = 0;
-  if (!complete && (sensor === "tool" || said.get("n") !== null)) {
-    faults.push("what it senses may have been left out, and the first object is sensed");
+  if (!complete && (sensor === "tool" || fields.get("n") !== null)) {
+    faults.push("the thing it observes may have been left out, and the first object is observed");
     sensor = FRESH.sensor;
   } else if (bare && sensor === "tool") {
-    faults.push("it senses a tool without having one, and the object is sensed");
+    faults.push("it observes a tool without having one, and the object is observed");
     sensor = FRESH.sensor;
   } else {
     const among = sensor === "tool" ? world.tools : world.objects;
-    thing = number("sensed thing", "n", 0, among.length - 1, true);
+    thing = number("observed thing", "n", 0, among.length - 1, true);
   }
-  const cells = (said.get("c") ?? "").split(".").filter(Boolean);
+  const cells = (fields.get("c") ?? "").split(".").filter(Boolean);
   const there = (cell: string) => /^\d+$/.test(cell) && Number(cell) < world.height * world.width;
   const beyond = cells.find((cell) => !there(cell));
   if (beyond !== undefined) faults.push(`its chosen cell ${quoted(beyond)} is not on the map, and is left out`);
@@ -128,7 +129,7 @@ function read(said: URLSearchParams, known: Known, views: readonly string[], fau
   };
 }
 
-/** A number from 0 to `most`: what is too large is the most, and what is none `fresh`. */
+/** A number from 0 to `most`: too large a number becomes `most`, anything else `fresh`. */
 function numberOf(
   what: string, text: string | null, fresh: number, most: number, whole: boolean, faults: string[],
 ): number {
@@ -141,7 +142,7 @@ function numberOf(
   return sound;
 }
 
-/** As in `m=rake@12*0.1,ball@30>44`. A name may have any character in it: a path, say. */
+/** As in `m=rake@12*0.1,ball@30>44`. A name, such as a path, may contain any character. */
 const toolCode = ({ kind, cell, slip }: Tool) =>
   `${encodeURIComponent(encodeURIComponent(kind))}@${cell}${slip ? `*${slip}` : ""}`;
 const thingCode = ({ kind, cell, goal }: Thing) => `${kind}@${cell}${goal === null ? "" : `>${goal}`}`;
@@ -152,11 +153,11 @@ function worldCode(world: World): string {
   return [`${world.height}x${world.width}`, bitsCode(world.walls), ...places].join(".");
 }
 
-/** The map of a link, and whether all of its things are on it. */
+/** The map of a link, and whether it has all of the link's things. */
 function worldOf(
-  said: URLSearchParams, { tools, objects, limits }: Known, faults: string[],
+  fields: URLSearchParams, { tools, objects, limits }: Known, faults: string[],
 ): { world: World; complete: boolean } {
-  const code = said.get("w");
+  const code = fields.get("w");
   if (code === null) throw new Unreadable("it has no map (its field w)");
   const [size = "", bits = "", ...places] = code.split(".");
   const [, height, width] = (/^(\d+)x(\d+)$/.exec(size) ?? []).map(Number);
@@ -164,7 +165,7 @@ function worldOf(
   if (height === undefined || width === undefined) throw damaged;
   const [least, most] = limits.side;
   if (Math.min(height, width) < least || Math.max(height, width) > most) {
-    throw new Unreadable(`its map has ${size.replace("x", " × ")} cells, and a map has ${least} to ${most} a side`);
+    throw new Unreadable(`its map has ${size.replace("x", " × ")} cells, and a map has ${least} to ${most} rows and columns`);
   }
   const walls = bitsOf(bits, height * width);
   if (walls === null || places.length !== 4) throw damaged;
@@ -172,24 +173,24 @@ function worldOf(
   const [agent, tool, cell, goal] = places.map(Number) as [number, number, number, number];
 
   const drawn = { tools: [] as Tool[], objects: [] as Thing[] };
-  const slip = (text: string | null) => numberOf("tool's slip", text, 0, 1, false, faults);
+  const slip = (text: string | null) => numberOf("tool's slip", text, 0, limits.tool_slip, false, faults);
   let complete = true;
   const leaveOut = (kind: string, what: string) => {
-    faults.push(`its ${what} ${quoted(kind)} is not known here, and is left out${kind.includes(":") ? " (start the studio with --tool)" : ""}`);
+    faults.push(`its ${what} ${quoted(kind)} is unknown here, and is left out${kind.includes(":") ? " (start the studio with --tool)" : ""}`);
     complete = false;
   };
-  const kind = said.get("t");
-  if (kind === null) faults.push("it does not say which tool is used (its field t)");
+  const kind = fields.get("t");
+  if (kind === null) faults.push("it does not name the tool in use (its field t)");
   if (!Number.isNaN(tool)) {
-    // Of a tool that the agent does not have, the link does not say the kind.
+    // The link does not give the kind of a tool that the agent does not have.
     const own = kind === null || kind === NO_TOOL ? tools[0]! : kind;
-    if (tools.includes(own)) drawn.tools.push({ kind: own, cell: tool, slip: slip(said.get("f")) });
+    if (tools.includes(own)) drawn.tools.push({ kind: own, cell: tool, slip: slip(fields.get("f")) });
     else leaveOut(own, "tool");
   } else if (kind !== null && !tools.includes(kind)) leaveOut(kind, "tool");
-  const first = said.get("o") ?? FIRST_OBJECT;
-  if (!objects.includes(first)) throw new Unreadable(`its object ${quoted(first)} is not known here`);
+  const first = fields.get("o") ?? FIRST_OBJECT;
+  if (!objects.includes(first)) throw new Unreadable(`its object ${quoted(first)} is unknown here`);
   drawn.objects.push({ kind: first, cell, goal });
-  for (const part of (said.get("m") ?? "").split(",").filter(Boolean)) {
+  for (const part of (fields.get("m") ?? "").split(",").filter(Boolean)) {
     const [, name, at, fails, to] = /^(.+)@(\d+)(?:\*([^>]*))?(?:>(\d+))?$/.exec(part) ?? [];
     const kind = decoded(name ?? "");
     if (!kind) throw new Unreadable(`its thing ${quoted(part)} is damaged`);
@@ -201,15 +202,15 @@ function worldOf(
   }
   const count = Math.max(drawn.tools.length, drawn.objects.length);
   if (count > limits.things) throw new Unreadable(`its map has ${count} tools or objects, and a map has up to ${limits.things}`);
-  const drop = said.get("d") ?? "0";
-  if (drop !== "0" && drop !== "1") faults.push(`its field d is ${quoted(drop)}, not 1, and tools are not put down`);
+  const drop = fields.get("d") ?? "0";
+  if (drop !== "0" && drop !== "1") faults.push(`its field d is ${quoted(drop)}, not 1, and tools cannot be dropped`);
   const world: World = { height, width, walls, agent, ...drawn, drop: drop === "1" };
   for (const [thing, at] of standing(world)) {
     const there = thingAt(world, at);
-    if (walls[at] === undefined) throw new Unreadable(`${wordFor(thing, world)} of its map is not on it`);
+    if (walls[at] === undefined) throw new Unreadable(`${wordFor(thing, world)} of its map lies outside the map`);
     if (walls[at]) throw new Unreadable(`${wordFor(thing, world)} of its map is in a wall`);
     if (there?.what !== thing.what || there.of !== thing.of) {
-      throw new Unreadable(`${wordFor(thing, world)} of its map is in the cell of ${wordFor(there!, world)}`);
+      throw new Unreadable(`${wordFor(thing, world)} of its map shares a cell with ${wordFor(there!, world)}`);
     }
   }
   return { world, complete };
@@ -221,7 +222,7 @@ function wordFor({ what, of }: Standing, { tools, objects }: World): string {
   return `the ${(what === "tool" ? tools : objects)[of]!.kind}`;
 }
 
-/** What somebody else may have written, cut to what can be read in a line. */
+/** Text from an unknown source, truncated to fit on a line. */
 function quoted(text: string): string {
   return `“${text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text}”`;
 }

@@ -1,6 +1,6 @@
-/** What every view is given: the server's word, the line to it, the scene and its values. */
+/** Shared by all views: the server's greeting, the connection, the scene and its values. */
 
-import type { Acted } from "./acted";
+import type { Watched } from "./watched";
 import type { Connection } from "./connection";
 import type { Measuring } from "./measuring";
 import type { Hello } from "./protocol";
@@ -11,14 +11,14 @@ export interface App {
   readonly connection: Connection;
   readonly store: Store;
   readonly measuring: Measuring;
-  readonly acted: Acted;
+  readonly watched: Watched;
 }
 
-/** One of the page's views; it hears when it is come to and left. */
+/** One of the page's views, notified when it is entered and left. */
 export interface View {
   readonly element: HTMLElement;
   entered?(): void;
   left?(): void;
-  /** The line to the server, which was lost, is there again. */
+  /** The connection to the server is back. */
   again?(): void;
 }

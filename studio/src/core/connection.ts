@@ -1,4 +1,4 @@
-/** The WebSocket to the server: requests with numbers, answers to whoever asked. */
+/** The WebSocket to the server: numbered requests, and answers routed to their callers. */
 
 import type { Common, Hello } from "./protocol";
 
@@ -6,26 +6,26 @@ export type Status = "connecting" | "open" | "lost";
 
 export interface Asked {
   readonly id: number;
-  /** Answers that still come are for nobody. */
+  /** Ignores further answers. */
   forget(): void;
 }
 
 export interface Connection {
-  /** Sends a request; `on` gets every answer to it, until it is forgotten or the line is lost. */
+  /** Sends a request; `on` gets every answer to it, until it is forgotten or the connection is lost. */
   ask<Answer extends Common>(
     what: string,
     body: object,
     on: (answer: Answer) => void,
   ): Asked;
-  /** Sends something about an earlier request, whose asker gets the answers. */
+  /** Sends a message about an earlier request, whose caller gets the answers. */
   tell(asked: Asked, what: string): void;
 }
 
 const FIRST_WAIT = 400;
 const LONGEST_WAIT = 5000;
-const LOST = "the line to the server was lost";
+const LOST = "the connection to the server was lost";
 
-/** Connects to the server that the page came from, and again whenever the line is lost. */
+/** Connects to the page's own server, and reconnects whenever the connection is lost. */
 export function connect(
   onHello: (hello: Hello) => void,
   onStatus: (status: Status) => void,
@@ -61,7 +61,7 @@ export function connect(
     if (!answer.overtaken) listener?.(answer);
   }
 
-  /** Nothing that was asked stays without an answer. */
+  /** Every request gets an answer, even if the connection is lost. */
   function lose(id: number): void {
     const listener = listeners.get(id) as ((answer: Common) => void) | undefined;
     listeners.delete(id);

@@ -14,7 +14,7 @@ function fill(element: Element, attributes: Record<string, Attribute>, children:
   element.append(...children.filter((child) => child !== null));
 }
 
-/** Sets an attribute, or takes it away if it is false or nothing. */
+/** Sets an attribute, or removes it if it is false or missing. */
 export function set(element: Element, name: string, value: Attribute): void {
   if (value === null || value === undefined || value === false) element.removeAttribute(name);
   else element.setAttribute(name, value === true ? "" : String(value));
@@ -46,7 +46,7 @@ export function byId(id: string): HTMLElement {
   return element;
 }
 
-/** Text as markup says it. */
+/** Text escaped for markup. */
 export function escaped(text: string): string {
   return text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;");
 }

@@ -1,4 +1,4 @@
-/** Asks for the landscape and the averages of whatever scene is shown, the newest winning. */
+/** Requests the landscape and the averages of the current scene; the newest request wins. */
 
 import type { Asked, Connection } from "./connection";
 import type { Grid, MeasureAnswer, Verdict } from "./protocol";
@@ -6,19 +6,19 @@ import { message, type Scene } from "./scene";
 import type { Store } from "./store";
 
 export interface Measured {
-  /** What the values are of; null before the first. */
+  /** The scene of the values; null before the first. */
   scene: Scene | null;
   landscape: Grid | null;
   least: number;
   most: number;
   averages: Record<string, number | null>;
   within: Record<string, number>;
-  /** Why there is no average, where there is none. */
+  /** The reason for a missing average. */
   why: string | null;
   verdicts: Record<string, Verdict>;
-  /** The tools whose averages are of this scene; the others' are of the one before. */
+  /** The tools whose averages belong to this scene; the others' belong to the previous one. */
   compared: readonly string[];
-  /** Whether the values of what is shown are still to come; and how far that is, from 0 to 1. */
+  /** Whether values are still being computed; and the progress, from 0 to 1. */
   pending: boolean;
   progress: number | null;
   error: string | null;
@@ -27,7 +27,7 @@ export interface Measured {
 export interface Measuring {
   latest(): Measured;
   watch(watcher: (measured: Measured) => void): void;
-  /** Asks anew, after the line was lost. */
+  /** Repeats the request after the connection was lost. */
   again(): void;
 }
 
@@ -61,7 +61,7 @@ export function createMeasuring(connection: Connection, store: Store): Measuring
     due = false;
     const scene = store.scene();
     asked = connection.ask<MeasureAnswer>("measure", { scene: message(scene) }, (answer) => {
-      if (answer.lost) return; // what is shown stays, until it is asked for again
+      if (answer.lost) return; // keep the old values until the next request
       if (answer.error !== undefined) {
         tell({ ...NOTHING, error: answer.error, pending: false, scene });
       } else if (answer.progress !== undefined) tell({ progress: answer.progress });
@@ -81,7 +81,7 @@ export function createMeasuring(connection: Connection, store: Store): Measuring
     });
   }
 
-  /** What is shown is out of date now. Asks at most once a picture: dragging the mouse makes more events than can be seen. */
+  /** Marks the values as outdated. Sends at most one request per frame: dragging fires more events than that. */
   function soon(): void {
     tell({ pending: true, progress: null, compared: [], why: null });
     if (due) return;

@@ -1,4 +1,4 @@
-/** What the page and the server say to each other, as JSON over one WebSocket. */
+/** The messages between page and server, as JSON over one WebSocket. */
 
 export type Cell = [row: number, column: number];
 export type Sensor = "state" | "object" | "tool" | "agent" | "cells";
@@ -7,7 +7,7 @@ export type ActionSet = "all" | "moves" | "tool";
 /** A world and a question about it, as the server reads it. */
 export interface SceneMessage {
   drawn: Drawn;
-  /** "none" where the agent has none of those that are drawn. */
+  /** "none" if the agent has none of the drawn tools. */
   tool?: string;
   sensor: Sensor;
   thing: number;
@@ -26,7 +26,7 @@ export interface Drawn {
   drop: boolean;
 }
 
-/** Where things are; of several tools, which is in hand and which was put down, -1 for none. */
+/** Where things are; with several tools, which is in hand and which was dropped, -1 for none. */
 export interface Placement {
   agent: Cell;
   tools: Cell[];
@@ -35,12 +35,12 @@ export interface Placement {
   laid?: number;
 }
 
-/** A placement as the server says it, by the library's names. */
+/** A placement in the server's format, by the library's names. */
 export type Words = Record<string, Cell | number>;
 
 export type Drawing = [path: string, fill: string][];
 
-/** What the server says first. */
+/** The server's greeting. */
 export interface Hello {
   version: string;
   worlds: Record<string, Drawn>;
@@ -52,6 +52,8 @@ export interface Hello {
     things: number;
     horizon: number;
     slip: number;
+    /** Of a tool's failures. */
+    tool_slip: number;
     /** Characters. */
     message: number;
     training: TrainingLimits;
@@ -59,20 +61,20 @@ export interface Hello {
   training: Offered;
   shapes: Record<string, Drawing>;
   run: RunAbout | null;
-  /** The folder in which trainings are kept beyond the studio's end, if they are. */
+  /** The folder in which trainings outlive the studio, if there is one. */
   kept: string | null;
 }
 
-/** What a training may choose from, by name, in words. */
+/** The choices of a training: labels by name. */
 export interface Offered {
   intrinsic: Record<string, string>;
   algorithms: Record<string, string>;
-  /** Intrinsic rewards that look no steps ahead. */
+  /** Intrinsic rewards without a horizon. */
   without_horizon: string[];
   first: Settings;
 }
 
-/** What a training is asked to do. */
+/** The settings of a training. */
 export interface Settings {
   intrinsic: string;
   horizon: number;
@@ -83,32 +85,33 @@ export interface Settings {
   episodes: number;
 }
 
-/** The most that a training may take. */
+/** The upper limits of a training. */
 export interface TrainingLimits {
   runs: number;
+  seed: number;
   episodes: number;
   placements: number;
   at_once: number;
   waiting: number;
 }
 
-/** A trained run that the server can act out. */
+/** A trained run that the server can replay. */
 export interface RunAbout {
   name: string;
-  /** By which a training is asked for; none of the folder's own run. */
+  /** The name to request a training by; absent for the folder's own run. */
   asked?: string;
   runs: number;
   drawn: Drawn;
   config: Record<string, unknown>;
 }
 
-/** What any answer may have; nothing else is in it then. */
+/** The fields that any answer may have, each alone. */
 export interface Common {
   id: number;
   error?: string;
   progress?: number;
   overtaken?: boolean;
-  /** Not from the server: the line to it was lost, and nothing more will come. */
+  /** Set by the page: the connection was lost, and no further answers will come. */
   lost?: boolean;
 }
 
@@ -116,9 +119,9 @@ export type Grid = (number | null)[][];
 
 export interface Verdict {
   useful: boolean;
-  /** Null where estimates leave it open. */
+  /** Null if the estimates leave it open. */
   better_than_none: boolean | null;
-  /** As much as with none. */
+  /** The same as with none. */
   equal: boolean;
 }
 
@@ -130,9 +133,9 @@ export interface LandscapeAnswer extends Common {
 }
 
 export interface MeasureAnswer extends LandscapeAnswer {
-  /** Null where it takes too long; then `why` says so. */
+  /** Null if it takes too long; `why` has the reason. */
   averages?: Record<string, number | null>;
-  /** Half the widths of their 95 % intervals: 0 where they are exact. */
+  /** Half the widths of their 95 % intervals; 0 if exact. */
   within?: Record<string, number>;
   why?: string;
   verdicts?: Record<string, Verdict>;
@@ -173,10 +176,10 @@ export interface CurveData {
 }
 
 export interface TrainAnswer extends Common {
-  /** That of the folder in which it trains. */
+  /** The name of its folder. */
   name?: string;
   curve?: CurveData | null;
-  /** Of all runs together. */
+  /** Over all runs. */
   steps?: number;
   episodes?: number;
   share?: number;
@@ -186,14 +189,14 @@ export interface TrainAnswer extends Common {
 }
 
 export interface TrainingsAnswer extends Common {
-  /** Of all that are listed, the latest first. */
+  /** The listed trainings, newest first. */
   names?: string[];
-  /** How many earlier ones are not. */
+  /** The number of older ones that are not listed. */
   left_out?: number;
   kept?: KeptTraining;
 }
 
-/** A training that the server has a folder of; what is wrong with it, or the rest. */
+/** A training with a folder on the server: either its error, or the other fields. */
 export interface KeptTraining {
   name: string;
   under_way: boolean;
@@ -215,13 +218,13 @@ export interface RunAnswer extends Common {
   best_return?: number;
 }
 
-/** What the most probable actions come to. */
+/** An episode of the greedy policy. */
 export interface Episode {
   placements: Words[];
   actions: number[];
   values: number[];
   return: number;
   finished: boolean;
-  /** The best possible from where it began; null where there is no way to the goal. */
+  /** The best possible from its start; null if the goal is unreachable. */
   best_return: number | null;
 }

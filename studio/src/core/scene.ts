@@ -1,16 +1,16 @@
-/** A world and the question asked about it: all that a link to the page says. */
+/** A world and the question asked about it: the content of a link to the page. */
 
 import type { ActionSet, Cell, Placement, SceneMessage, Sensor, Words } from "./protocol";
 import { drawnOf, libraryOrder, namesOf, several, type Tool, type World } from "./world";
 
 export interface Scene {
   readonly world: World;
-  /** Whether the agent has no tool, though one may be on the map. */
+  /** Whether the agent uses no tool, even if one is on the map. */
   readonly bare: boolean;
   readonly sensor: Sensor;
-  /** Which of several objects, or tools, is sensed. */
+  /** Which of several objects, or tools, is observed. */
   readonly thing: number;
-  /** The cells that the sensor "cells" can see the object in. */
+  /** The cells in which the sensor "cells" observes the object. */
   readonly cells: readonly number[];
   readonly horizon: number;
   readonly actions: ActionSet;
@@ -46,13 +46,13 @@ export function toolsOf({ world, bare }: Scene): readonly Tool[] {
   return bare ? [] : world.tools;
 }
 
-/** The kind of its only tool, or "none"; null where there are several. */
+/** The kind of its only tool, or "none"; null if there are several. */
 export function toolOf(scene: Scene): string | null {
   const [first, ...others] = toolsOf(scene);
   return others.length ? null : (first?.kind ?? NO_TOOL);
 }
 
-/** The name of the object that the question is about, "can" where it is about all. */
+/** The name of the object that the question is about; the first object if it is about all. */
 export function objectOf({ world, sensor, thing }: Scene): string {
   return namesOf(world.objects)[sensor === "tool" ? 0 : thing] ?? namesOf(world.objects)[0]!;
 }
@@ -64,7 +64,7 @@ export function fitted(scene: Scene): Scene {
   return { ...scene, sensor, thing: sensor === scene.sensor && scene.thing < among.length ? scene.thing : 0 };
 }
 
-/** The scene as the server reads it. */
+/** The scene in the server's format. */
 export function message(scene: Scene): SceneMessage {
   const { world, bare, sensor, thing, cells, horizon, actions, slip } = scene;
   return {
@@ -79,7 +79,7 @@ export function message(scene: Scene): SceneMessage {
   };
 }
 
-/** Where the map has its things. */
+/** The placement on the map. */
 export function startOf(scene: Scene): Placement {
   const { world } = scene;
   return {
@@ -89,7 +89,7 @@ export function startOf(scene: Scene): Placement {
   };
 }
 
-/** The names of tools and objects in the library's placements, in the order that they are drawn. */
+/** The names of tools and objects in the library's placements, in drawing order. */
 function factors(world: World, tools: readonly Tool[]): { tools: string[]; objects: string[] } {
   if (!several({ ...world, tools })) return { tools: tools.map(() => "tool"), objects: ["object"] };
   return {
@@ -98,7 +98,7 @@ function factors(world: World, tools: readonly Tool[]): { tools: string[]; objec
   };
 }
 
-/** A placement as the server reads it. */
+/** A placement in the server's format. */
 export function inWords(world: World, tools: readonly Tool[], placement: Placement): Words {
   const names = factors(world, tools);
   const { agent, held, laid } = placement;
@@ -112,7 +112,7 @@ export function inWords(world: World, tools: readonly Tool[], placement: Placeme
   };
 }
 
-/** A placement from the server's words. */
+/** A placement from the server's format. */
 export function placementOf(world: World, tools: readonly Tool[], words: Words): Placement {
   const names = factors(world, tools);
   const { held, laid } = words as { held?: number; laid?: number };

@@ -1,17 +1,17 @@
-/** The scene that is shown, its past and its undone future, and who looks at it. */
+/** The current scene with its undo and redo history, and its observers. */
 
 import type { Scene } from "./scene";
 
 export interface Store {
   scene(): Scene;
-  /** Shows another scene. Changes of one gesture, such as a drag, are undone together. */
+  /** Shows another scene. Changes within one gesture, such as a drag, are undone together. */
   show(next: Scene, gesture?: string): void;
   change(part: Partial<Scene>, gesture?: string): void;
   undo(): void;
   redo(): void;
   canUndo(): boolean;
   canRedo(): boolean;
-  /** Calls back after every change, and once now. */
+  /** Calls back now, and after every change. */
   watch(watcher: (scene: Scene, before: Scene | null) => void): void;
 }
 

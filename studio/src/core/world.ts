@@ -1,11 +1,11 @@
-/** A map as the page edits it: values that are never changed, and what makes others of them. */
+/** A map as the page edits it: immutable values, and functions that derive new ones. */
 
 import type { Cell, Drawn } from "./protocol";
 
 export interface Tool {
   readonly kind: string;
   readonly cell: number;
-  /** How often what it does fails. */
+  /** The probability that its effect fails. */
   readonly slip: number;
 }
 
@@ -23,17 +23,17 @@ export interface World {
   readonly agent: number;
   readonly tools: readonly Tool[];
   readonly objects: readonly Thing[];
-  /** Whether a tool can be put down. */
+  /** Whether a tool can be dropped. */
   readonly drop: boolean;
 }
 
-/** One of what stands on a map: the agent, or which tool, object or goal of an object. */
+/** A thing on a map: the agent, a tool, an object or the goal of an object. */
 export interface Standing {
   readonly what: "agent" | "tool" | "object" | "goal";
   readonly of: number;
 }
 
-/** All that stands on a map, with its cells. */
+/** All things on a map, with their cells. */
 export function standing(world: World): [Standing, number][] {
   const all: [Standing, number][] = [[{ what: "agent", of: 0 }, world.agent]];
   world.tools.forEach(({ cell }, of) => all.push([{ what: "tool", of }, cell]));
@@ -42,7 +42,7 @@ export function standing(world: World): [Standing, number][] {
   return all;
 }
 
-/** What is in a cell, if anything. */
+/** The thing in a cell, if any. */
 export function thingAt(world: World, cell: number): Standing | null {
   return standing(world).find(([, at]) => at === cell)?.[0] ?? null;
 }
@@ -53,7 +53,7 @@ export function cellOfThing(world: World, { what, of }: Standing): number | null
   return (what === "goal" ? world.objects[of]?.goal : world.objects[of]?.cell) ?? null;
 }
 
-/** With a thing in a cell, whatever is there. */
+/** With a thing in a cell, whatever else is there. */
 function put(world: World, { what, of }: Standing, cell: number): World {
   if (what === "agent") return { ...world, agent: cell };
   if (what === "tool") {
@@ -64,19 +64,19 @@ function put(world: World, { what, of }: Standing, cell: number): World {
   return { ...world, objects: world.objects.with(of, next) };
 }
 
-/** With a wall there or without; a thing in the way stays, and the map as it was. */
+/** With or without a wall in a cell; a cell with a thing stays unchanged. */
 export function withWall(world: World, cell: number, wall: boolean): World {
   if (world.walls[cell] === wall || thingAt(world, cell) !== null) return world;
   return { ...world, walls: world.walls.with(cell, wall) };
 }
 
-/** With a thing elsewhere, if that cell is free. */
+/** With a thing moved to a cell, if that is free. */
 export function moved(world: World, thing: Standing, cell: number): World {
   if (world.walls[cell] || thingAt(world, cell) !== null) return world;
   return put(world, thing, cell);
 }
 
-/** With a tool out of the way, for a map whose agent has none. */
+/** With a tool moved out of the way, for a map whose agent uses none. */
 export function toolsAside(world: World, cell: number): World {
   const there = thingAt(world, cell);
   if (there?.what !== "tool") return world;
@@ -85,13 +85,13 @@ export function toolsAside(world: World, cell: number): World {
   return { ...aside, walls: aside.walls.with(cell, false) };
 }
 
-/** With one tool more, in the free cell that is nearest to the agent. */
+/** With one more tool, in the free cell nearest to the agent. */
 export function withTool(world: World, kind: string): World {
   const tools = [...world.tools, { kind, cell: -1, slip: 0 }];
   return settled({ ...world, tools }, { what: "tool", of: tools.length - 1 }, world.agent);
 }
 
-/** With one object more, near the first. */
+/** With one more object, near the first. */
 export function withObject(world: World, kind: string): World {
   const objects = [...world.objects, { kind, cell: -1, goal: null }];
   return settled({ ...world, objects }, { what: "object", of: objects.length - 1 }, objects[0]!.cell);
@@ -111,7 +111,7 @@ export function without(world: World, { what, of }: Standing): World {
   return { ...world, objects: world.objects.with(of, { ...world.objects[of]!, goal: null }) };
 }
 
-/** The map cut or extended at its right and lower side; what was cut off comes back inside. */
+/** The map cropped or extended at its right and lower side; cropped things move back inside. */
 export function resized(world: World, height: number, width: number): World {
   const old = (cell: number): Cell => [Math.floor(cell / world.width), cell % world.width];
   const walls = Array.from({ length: height * width }, (_, cell) => {
@@ -133,7 +133,7 @@ export function resized(world: World, height: number, width: number): World {
   return next;
 }
 
-/** The thing in the nearest cell where nothing is, a wall's if there is no other. */
+/** With the thing in the nearest empty cell, or in a wall's cell if there is no other. */
 function settled(world: World, thing: Standing, near: number): World {
   const cells = world.walls.map((_, cell) => cell).filter((cell) => thingAt(world, cell) === null);
   const away = (cell: number) =>
@@ -170,7 +170,7 @@ export function several({ tools, objects, drop }: World): boolean {
   return tools.length > 1 || objects.length > 1 || (drop && tools.length > 0);
 }
 
-/** As the server has it: things in the library's order. */
+/** In the server's format: things in the library's order. */
 export function drawnOf(world: World): Drawn {
   const tools = libraryOrder(world.tools).map((of) => world.tools[of]!);
   const objects = libraryOrder(world.objects).map((of) => world.objects[of]!);

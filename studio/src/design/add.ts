@@ -27,13 +27,13 @@ export function createAdd({ hello, store }: App): HTMLElement {
   });
   const menu = h(
     "div",
-    { class: "menu", role: "menu", "aria-label": "What to put on the map" },
+    { class: "menu", role: "menu", "aria-label": "Add to the map" },
     h("h3", {}, "Tools"),
     h("div", { class: "menu-part" }, ...tools),
     h("h3", {}, "Objects"),
     h("div", { class: "menu-part" }, ...objects, bins),
-    h("label", { class: "menu-check" }, drop, "The tool in hand can be put down"),
-    h("p", { class: "quiet" }, "Drag a thing off the map, or press Delete on it, to take it away."),
+    h("label", { class: "menu-check" }, drop, "The tool in hand can be dropped"),
+    h("p", { class: "quiet" }, "To remove a thing, drag it off the map or press Delete on it."),
   );
   const element = h("details", { class: "add" }, h("summary", { class: "button", id: "add" }, "Add"), menu);
   document.addEventListener("pointerdown", (event) => {

@@ -1,4 +1,4 @@
-/** How much each tool lets the agent do to the can, side by side, and what that says. */
+/** Average object empowerment with each tool, side by side, and a verdict. */
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
@@ -33,15 +33,15 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
       const value = averages[name];
       const about = within[name] ?? 0;
       bits.textContent = value === undefined || value === null ? "–" : inWords(value, about);
-      row.title = about ? `between ${(value! - about).toFixed(2)} and ${(value! + about).toFixed(2)}, with 95 % confidence` : "";
+      row.title = about ? `95 % interval: ${(value! - about).toFixed(2)} to ${(value! + about).toFixed(2)}` : "";
       bar.style.setProperty("--share", String(Math.max((value ?? 0) / most, 0)));
       row.classList.toggle("chosen", here.has(name) || name === tool);
       row.dataset.fresh = String(compared.includes(name));
     }
     const estimated = Object.values(within).some((about) => about > 0);
-    waiting.textContent = `Bits at the ${object}, over ${estimated ? "a sample of" : "all"} its places${tool === null ? ", each tool alone" : ""}.`;
-    const said = error ? [] : why !== null ? [why] : tool === null ? [] : sentence(tool, object, averages, verdicts[tool]);
-    verdict.replaceChildren(...said);
+    waiting.textContent = `Bits over the ${object}, mean of ${estimated ? "sampled" : "all"} placements${tool === null ? ", each tool alone" : ""}.`;
+    const message = error ? [] : why !== null ? [why] : tool === null ? [] : sentence(tool, object, averages, verdicts[tool]);
+    verdict.replaceChildren(...message);
     const of = why !== null || error !== null || tool === null || tool === NO_TOOL ? [] : [tool, NO_TOOL];
     verdict.dataset.fresh = String(of.every((name) => compared.includes(name)));
     verdict.dataset.kind = kindOf(why === null && tool !== null ? verdicts[tool] : undefined);
@@ -52,19 +52,19 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
   return h(
     "div",
     { class: "averages" },
-    h("h3", {}, "What a tool is worth"),
+    h("h3", {}, "Comparison of tools"),
     waiting,
     h("ul", { class: "bars" }, ...[...rows.values()].map(({ row }) => row)),
     verdict,
   );
 }
 
-/** An estimate is told from what is exact. */
+/** A value; estimates are marked. */
 function inWords(bits: number, about: number): string {
   return about > 0.005 ? `≈ ${bits.toFixed(2)}` : bits.toFixed(2);
 }
 
-/** A difference; one that is too small for two digits is none of 0. */
+/** A difference; one too small for two digits is not shown as 0. */
 function inBits(apart: number): string {
   return apart < 0.005 ? "less than 0.01 bits" : `${apart.toFixed(2)} bits`;
 }
@@ -84,19 +84,19 @@ function sentence(
 ): (Node | string)[] {
   const name = nameOf(tool).toLowerCase();
   const [own, bare] = [averages[tool], averages[NO_TOOL]];
-  if (tool === NO_TOOL) return ["Choose a tool to see whether it would help."];
+  if (tool === NO_TOOL) return ["Choose a tool to see whether it helps."];
   if (!verdict || own == null || bare == null) return [];
   if (verdict.equal) {
     const why = verdict.useful
-      ? "as much can be done as with bare hands"
-      : `neither with it nor with bare hands can anything be done to the ${object}`;
+      ? "it gives as much empowerment as bare hands"
+      : `the agent cannot affect the ${object}, with it or with bare hands`;
     return [h("strong", {}, `The ${name} makes no difference`), `: ${why}.`];
   }
   if (!verdict.useful) {
-    return [h("strong", {}, `The ${name} is useless here`), `: with it, nothing can be done to the ${object}.`];
+    return [h("strong", {}, `The ${name} is useless here`), `: with it, the agent cannot affect the ${object}.`];
   }
   if (verdict.better_than_none === null) {
-    return [h("strong", {}, "Too close to call"), `: about as much as with bare hands.`];
+    return [h("strong", {}, "Undecided"), ": about as much as with bare hands."];
   }
   const apart = inBits(Math.abs(own - bare));
   if (verdict.better_than_none) {

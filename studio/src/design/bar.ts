@@ -1,4 +1,4 @@
-/** What stands around the map: built-in worlds, undo, text, tool and size. */
+/** The controls around the map: built-in worlds, undo, text, tool and size. */
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";

@@ -1,4 +1,4 @@
-/** The map under the pointer and the keys: walls are drawn by dragging, things are dragged. */
+/** The map editor: walls are drawn by dragging, things are dragged or moved by keys. */
 
 import type { App } from "../core/app";
 import type { Cell } from "../core/protocol";
@@ -34,7 +34,7 @@ export function createEditor({ store }: App): Board {
     if (after === at && before !== at) store.change({ world }, gesture);
   }
 
-  /** Takes a thing off the map, if the map can be without it. */
+  /** Removes a thing from the map, if the map does not need it. */
   function remove(thing: Standing, gesture?: string): void {
     const scene = store.scene();
     const world = without(scene.world, thing);
@@ -100,11 +100,12 @@ export function createEditor({ store }: App): Board {
   return board;
 }
 
+/** The name of a cell. Rows and columns are counted from 0, as in the library. */
 export function rowColumn([row, column]: Cell): string {
-  return `row ${row + 1}, column ${column + 1}`;
+  return `row ${row}, column ${column}`;
 }
 
-/** What is there as one sees it: tools are not, when the agent has none. */
+/** The visible thing in a cell: tools are hidden if the agent uses none. */
 function seenAt({ world, bare }: Scene, cell: number): Standing | null {
   const thing = thingAt(world, cell);
   return bare && thing?.what === "tool" ? null : thing;

@@ -1,4 +1,4 @@
-/** The values over the map; pointing at a cell shows what could be brought about from there. */
+/** The values over the map; pointing at a cell shows the futures reachable from there. */
 
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
@@ -11,22 +11,22 @@ import { createBoard, type Mark } from "../draw/board";
 import { letDrag } from "../draw/dragging";
 import { stood } from "../draw/things";
 import { same } from "../draw/cells";
-import { scaleOf } from "../draw/heat";
+import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
 import { ARROWS, rowColumn } from "./editor";
 
 const HOVER_WAIT = 40;
-const HINT = "Point at a cell to see what could be brought about from there.";
+const HINT = "Point at a cell to see which futures are reachable from it.";
 
 const COUNTED: Record<Sensor, (count: number, name: string) => string> = {
-  object: (n, name) => `the ${name} could be brought to ${n} ${n === 1 ? "place" : "places"}`,
-  tool: (n, name) => `the ${name} could be brought to ${n} ${n === 1 ? "place" : "places"}`,
-  agent: (n) => `the agent could be in ${n} ${n === 1 ? "place" : "places"}`,
-  state: (n, name) => `${n} different ${n === 1 ? "state" : "states"} of everything; marked: the ${name}`,
-  cells: (n, name) => `${n} different ${n === 1 ? "sight" : "sights"} of the ${name}`,
+  object: (n, name) => `the ${name} can be brought to ${n} ${n === 1 ? "cell" : "cells"}`,
+  tool: (n, name) => `the ${name} can be brought to ${n} ${n === 1 ? "cell" : "cells"}`,
+  agent: (n) => `the agent can reach ${n} ${n === 1 ? "cell" : "cells"}`,
+  state: (n, name) => `${n} reachable ${n === 1 ? "state" : "states"}; marked: the cells of the ${name}`,
+  cells: (n, name) => `${n} ${n === 1 ? "observation" : "different observations"} of the ${name}`,
 };
 
-/** What the sensor is of, in words. */
+/** The name of the observed thing. */
 function sensed(scene: Scene): string {
   const { world, sensor, thing } = scene;
   if (sensor !== "tool") return objectOf(scene);
@@ -36,7 +36,7 @@ function sensed(scene: Scene): string {
 export function createLandscape({ connection, store, measuring }: App): HTMLElement {
   const board = createBoard("The landscape: bits for every cell of the agent", "landscape-board");
   const { picture } = board;
-  const told = h("p", { class: "told", id: "told", "aria-live": "polite" }, HINT);
+  const caption = h("p", { class: "caption", id: "caption", "aria-live": "polite" }, HINT);
   const scale = createScaleBar("bits", 2);
   const progress = h("div", { class: "progress", role: "progressbar", "aria-label": "computing" });
   const fault = h("p", { class: "fault", role: "alert", id: "fault" });
@@ -68,13 +68,13 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     });
   }
 
-  function tellOf({ pending, progress: share, error, landscape, ...values }: Measured): void {
+  function update({ pending, progress: share, error, landscape, ...values }: Measured): void {
     picture.classList.toggle("waiting", pending);
     progress.classList.toggle("going", pending);
     progress.classList.toggle("measured", share !== null);
     progress.style.setProperty("--share", String(share ?? 0));
     fault.textContent = error ?? "";
-    told.hidden = error !== null;
+    caption.hidden = error !== null;
     scale.show(error === null && landscape ? values : null);
     picture.dataset.pending = String(pending);
     draw();
@@ -83,7 +83,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
   function hint(): string {
     const scene = store.scene();
     return scene.sensor === "cells"
-      ? `Click cells to choose where the ${objectOf(scene)} is seen; point at one to see its futures.`
+      ? `Click cells to choose where the ${objectOf(scene)} is observed; point at one to see its futures.`
       : HINT;
   }
 
@@ -96,7 +96,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     if (cell === null || bits === null) {
       const had = marks !== null;
       marks = null;
-      told.textContent = hint();
+      caption.textContent = hint();
       if (had) draw();
       return;
     }
@@ -107,7 +107,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
   }
 
   function show(cell: Cell, { bits, things, count, error }: FuturesAnswer): void {
-    if (error !== undefined) told.textContent = error;
+    if (error !== undefined) caption.textContent = error;
     if (bits === undefined || things === undefined) return;
     asked?.forget();
     const likeliest = Math.max(...things.map(([, , probability]) => probability));
@@ -116,7 +116,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
       weight: probability / likeliest,
     }));
     const words = COUNTED[store.scene().sensor](count ?? things.length, sensed(store.scene()));
-    told.replaceChildren(
+    caption.replaceChildren(
       `From ${rowColumn(cell)}: `,
       h("strong", {}, `${bits.toFixed(2)} bits`),
       `, ${words}.`,
@@ -167,13 +167,13 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     event.preventDefault();
   });
 
-  measuring.watch(tellOf);
+  measuring.watch(update);
   store.watch(() => {
     clearTimeout(timer);
     asked?.forget();
     marks = hovered = null;
-    told.textContent = hint();
+    caption.textContent = hint();
     draw();
   });
-  return h("div", { class: "landscape" }, progress, board.element, scale.element, told, fault);
+  return h("div", { class: "landscape" }, progress, board.element, scale.element, caption, fault);
 }

@@ -1,4 +1,4 @@
-/** The map as text, to copy, to change and to take in. The server says whether text is a map. */
+/** The map as text, to copy, edit and import. The server checks whether text is a map. */
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
@@ -8,8 +8,8 @@ import { drawnOf, worldOf } from "../core/world";
 import { openDialog } from "../frame/dialog";
 import { button, notice } from "../frame/widgets";
 
-const BYTES = 4; // of a character at most
-const AROUND = 100; // characters of a message that are not the map's
+const BYTES = 4; // at most, per character
+const AROUND = 100; // characters of a message around the map
 
 export function openMapText({ hello, connection, store }: App): void {
   const { world, bare } = store.scene();
@@ -18,7 +18,7 @@ export function openMapText({ hello, connection, store }: App): void {
   holds(world.height + 2);
   const fault = h("p", { class: "fault", role: "alert" });
 
-  /** What the library makes of a map, drawn or as text. */
+  /** The library's reading of a map, drawn or as text. */
   function read(map: object, then: (answer: Required<Pick<ReadAnswer, "drawn" | "text">>) => void) {
     const asked = connection.ask<ReadAnswer>("read", { scene: map }, ({ error, drawn, text }) => {
       if (error !== undefined) fault.textContent = error;
@@ -30,17 +30,17 @@ export function openMapText({ hello, connection, store }: App): void {
   }
 
   read({ drawn: drawnOf(world), ...(bare ? { tool: NO_TOOL } : {}) }, ({ text }) => {
-    if (area.value) return; // it is being written in: nothing under the pointer moves
+    if (area.value) return; // the user is typing: leave the field alone
     area.value = text.trimEnd();
     holds(area.value.split("\n").length + 1);
   });
 
-  /** What is wrong with text that is too long to be sent, whatever it is; the field keeps it. */
+  /** The error for text that is too long to send; the field keeps the text. */
   function tooLong(what: string, text: string): string {
     const [is, most] = [JSON.stringify(text).length, hello.limits.message - AROUND];
     if (is <= most) return "";
-    const twice = is > text.length + 2 ? `, which count as ${count(is)}, for a line break counts twice` : "";
-    return `${what} has ${count(text.length)} characters${twice}; the studio takes up to ${count(most)}. Shorten it: a map has at most ${hello.limits.side[1]} rows of ${hello.limits.side[1]}.`;
+    const twice = is > text.length + 2 ? `, which count as ${count(is)}, since line breaks count twice` : "";
+    return `${what} has ${count(text.length)} characters${twice}; the studio accepts up to ${count(most)}. Shorten it: a map has at most ${hello.limits.side[1]} rows and columns.`;
   }
 
   function takeIn(): void {
@@ -67,14 +67,14 @@ export function openMapText({ hello, connection, store }: App): void {
   const file = h("input", { type: "file", accept: ".txt,text/plain", hidden: true });
   file.addEventListener("change", () => void open());
 
-  /** Takes the text of a file, unless it is none of a map: then what the field has stays. */
+  /** Loads the text of a file; if it is too long or unreadable, the field keeps its text. */
   async function open(): Promise<void> {
     const chosen = file.files?.[0];
     if (chosen === undefined) return;
     const name = `The file ${chosen.name}`;
     try {
       if (chosen.size > BYTES * hello.limits.message) {
-        fault.textContent = `${name} has ${count(chosen.size)} bytes; the studio takes up to ${count(hello.limits.message - AROUND)} characters.`;
+        fault.textContent = `${name} has ${count(chosen.size)} bytes; the studio accepts up to ${count(hello.limits.message - AROUND)} characters.`;
         return;
       }
       const text = await chosen.text();
@@ -92,7 +92,7 @@ export function openMapText({ hello, connection, store }: App): void {
     h(
       "p",
       { class: "quiet" },
-      "One character a cell: # wall, . floor, A agent, P picker, B broom, C can, G bin. Lines above the map bind others: R = rake, D = ball, H = goal of D, drop: true.",
+      "One character per cell: # wall, . floor, A agent, P picker, B broom, C can, G bin. Lines above the map define others: R = rake, D = ball, H = goal of D, drop: true.",
     ),
     area,
     fault,

@@ -1,4 +1,4 @@
-/** The question asked about the world: what is sensed, how far ahead, with which actions. */
+/** The question asked about the world: sensor, horizon, actions, slip. */
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
@@ -10,7 +10,7 @@ import { field, offer, segmented, select, slider } from "../frame/widgets";
 
 export function createQuestion({ hello, store }: App): HTMLElement {
   const { limits } = hello;
-  const sensor = select("What is sensed", choices(store.scene()), (chosen) => {
+  const sensor = select("Sensor", choices(store.scene()), (chosen) => {
     const [sensor, thing] = chosen.split(" ") as [Sensor, string | undefined];
     store.change({ sensor, thing: Number(thing ?? 0) });
   });
@@ -47,13 +47,13 @@ export function createQuestion({ hello, store }: App): HTMLElement {
     "div",
     { class: "question" },
     horizon.element,
-    field("What is sensed", sensor),
+    field("Sensor", sensor),
     field("Actions", actions.element),
     slip.element,
   );
 }
 
-/** What can be sensed, each thing by its name; the first of its kind stands for the kind. */
+/** The available sensors, with things by name. */
 function choices(scene: Scene): Record<string, string> {
   const { world } = scene;
   const tools = toolsOf(scene);

@@ -1,4 +1,4 @@
-/** Design: the world at the left, its landscape beside it, the question and the answer. */
+/** Design: the world, its landscape, the question and the comparison of tools. */
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";

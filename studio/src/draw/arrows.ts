@@ -1,9 +1,9 @@
-/** How probable actions are, as arrows. */
+/** Action probabilities as arrows. */
 
 import type { Cell } from "../core/protocol";
 import { corner } from "./cells";
 
-/** A rose about the cell's middle, as long to each side as its action is probable. */
+/** A rose around the cell's centre, with lengths proportional to action probabilities. */
 export function roseOf(cell: Cell, shares: number[]): string {
   return wedges(cell, shares, (share) => `M-9 0L0 ${-10 - 36 * share}L9 0Z`);
 }

@@ -1,37 +1,37 @@
-/** A map as a picture that can be pointed at: floor, values, walls, things, marks, a cursor. */
+/** A map as an interactive picture: floor, values, walls, things, marks, a cursor. */
 
 import { h, set, svg } from "../core/elements";
 import type { Cell } from "../core/protocol";
 import type { World } from "../core/world";
 import { movesOf, roseOf } from "./arrows";
 import { box, clamp, corner, everyCell, redraw, same, square, UNIT } from "./cells";
-import { colourOf, inkOn, type Scale } from "./heat";
+import { colourOf, inkOn, type Scale } from "./colours";
 import { use } from "./shapes";
 import type { Stood } from "./things";
 
-const READABLE = 29; // pixels of a cell in which its value can be read
+const READABLE = 29; // pixels per cell from which its value is legible
 
 export interface Mark {
   cell: Cell;
-  /** From 0 to 1, how likely. */
+  /** Its relative probability, from 0 to 1. */
   weight: number;
 }
 
 export interface Picture {
   world: World;
-  /** What stands where. */
+  /** The things to draw. */
   things: readonly Stood[];
   /** Bits for each cell, with the scale of their colours. */
   values?: { grid: (number | null)[][]; scale: Scale; unlabelled?: boolean } | null;
-  /** Cells that the sensor can see. */
+  /** Cells that the sensor observes. */
   chosen?: Cell[];
-  /** Where something could be; the values fade then. */
+  /** Reachable cells; the values fade while they are shown. */
   marks?: Mark[] | null;
   /** Arrows from cells: lengths north, east, south, west. */
   arrows?: (number[] | null)[][] | null;
-  /** How probable the agent's next moves are: north, east, south, west. */
+  /** The probabilities of the agent's next moves: north, east, south, west. */
   now?: number[] | null;
-  /** What a cell is called for those who hear it. */
+  /** The description of a cell for screen readers. */
   label: (cell: Cell) => string;
 }
 

@@ -2,7 +2,7 @@
 
 import type { Cell } from "../core/protocol";
 
-export const UNIT = 100; // of the picture, a cell; letters of less than one unit are drawn badly
+export const UNIT = 100; // of the picture, a cell; letters smaller than one unit render badly
 
 export function same(a: Cell, b: Cell): boolean {
   return a[0] === b[0] && a[1] === b[1];
@@ -22,7 +22,7 @@ export function box(kind: string, cell: Cell, inset = 1.3, more = ""): string {
   return `<rect class="${kind}-cell" ${square(cell, inset)}${more}/>`;
 }
 
-/** What is drawn of every cell, row by row. */
+/** Markup for every cell, row by row. */
 export function everyCell(
   { height, width }: { height: number; width: number },
   drawn: (cell: Cell) => string,
@@ -42,7 +42,7 @@ export function clamp(value: number, most: number): number {
   return Math.min(Math.max(value, 0), most);
 }
 
-/** Draws a layer anew, if it is another. */
+/** Redraws a layer if it has changed. */
 export function redraw(group: SVGGElement & { drawn?: string }, markup: string): void {
   if (group.drawn === markup) return;
   group.drawn = markup;

@@ -8,7 +8,7 @@ export interface Line {
   y: readonly number[];
   low?: readonly number[];
   high?: readonly number[];
-  /** Which of the two colours, and dashes, it has. */
+  /** Its colour and dash pattern. */
   kind: 0 | 1;
 }
 
@@ -16,11 +16,11 @@ export interface ChartData {
   lines: Line[];
   xLabel: string;
   yLabel: string;
-  /** A dotted line, and what it is. */
+  /** A dotted line, and its label. */
   level?: { y: number; label: string } | null;
-  /** Steps, the value held until the next. */
+  /** A step function: the value is held until the next point. */
   steps?: boolean;
-  /** Squeezes what is far below zero, as returns are. */
+  /** Compresses values far below zero, for returns. */
   squeezed?: boolean;
   xMost?: number;
   yLeast?: number;

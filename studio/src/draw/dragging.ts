@@ -1,23 +1,23 @@
-/** What is taken up on a board with the mouse or a finger, and led from cell to cell. */
+/** Dragging on a board, with the mouse or a finger, from cell to cell. */
 
 import type { Cell } from "../core/protocol";
 import type { Board } from "./board";
 
-/** What is in hand. */
+/** A drag in progress. */
 export interface Hold {
-  /** What it is, by which the pointer's look goes. */
+  /** What is dragged, which determines the pointer's look. */
   readonly kind: "thing" | "wall" | "sight";
-  /** It has come along these cells, at first to that where it was taken up. */
+  /** It has moved through these cells; the first call has the starting cell. */
   move(path: Cell[]): void;
-  /** It was let go off the board, if that means something. */
+  /** It was dropped outside the board, if that has a meaning. */
   off?(): void;
-  /** It is in hand no longer. */
+  /** The drag has ended. */
   drop?(): void;
 }
 
 /**
- * Lets a board be dragged upon. `take` gives what a press in a cell takes up, if anything; `over` is
- * told where an empty hand points, and says what is there.
+ * Adds dragging to a board. `take` returns what a press in a cell picks up, if anything; `over` gets
+ * the cell under the pointer while nothing is dragged, and returns what is there.
  */
 export function letDrag(
   { picture, cellAt }: Board,
@@ -60,7 +60,7 @@ export function letDrag(
   }
 }
 
-/** The cells of a line, so that a fast drag leaves no gaps. */
+/** The cells of a line, so that fast drags leave no gaps. */
 function between(from: Cell, to: Cell): Cell[] {
   const steps = Math.max(Math.abs(to[0] - from[0]), Math.abs(to[1] - from[1]), 1);
   return Array.from({ length: steps + 1 }, (_, k) => [

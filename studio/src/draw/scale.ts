@@ -1,11 +1,11 @@
-/** The scale under a board: its colours, their two ends, and what they are of. */
+/** The scale under a board: its colours, their two ends, and their unit. */
 
 import { h } from "../core/elements";
-import { colourOf, GRADIENT, scaleOf } from "./heat";
+import { colourOf, GRADIENT, scaleOf } from "./colours";
 
 export interface ScaleBar {
   readonly element: HTMLElement;
-  /** Shows what the colours mean, or nothing where there is nothing to show. */
+  /** Shows the scale, or hides it if there are no values. */
   show(ends: { least: number; most: number } | null): void;
 }
 
@@ -19,7 +19,7 @@ export function createScaleBar(words: string, digits: number): ScaleBar {
     show(ends) {
       element.hidden = ends === null;
       if (ends === null) return;
-      const one = inWords(ends.least) === inWords(ends.most); // there is one colour then
+      const one = inWords(ends.least) === inWords(ends.most); // a single colour
       bar.style.background = one ? colourOf(ends.least, scaleOf(ends.least, ends.most)) : GRADIENT;
       most.hidden = one;
       least.textContent = inWords(ends.least);

@@ -1,4 +1,4 @@
-/** The library's drawings of things, once in the page, used wherever one is shown. */
+/** The library's drawings of things, defined once and used wherever one is shown. */
 
 import type { Drawing } from "../core/protocol";
 import { escaped, svg } from "../core/elements";
@@ -7,7 +7,7 @@ const PREFIX = "shape-";
 const known = new Set<string>();
 let sheet: SVGSVGElement | null = null;
 
-/** Takes in the drawings that the server sent; each is in a unit cell. */
+/** Stores the server's drawings, each in a unit cell. */
 export function keepShapes(shapes: Record<string, Drawing>): void {
   sheet?.remove();
   sheet = svg("svg", { width: 0, height: 0, "aria-hidden": "true", class: "shapes" });
@@ -23,17 +23,17 @@ export function keepShapes(shapes: Record<string, Drawing>): void {
   document.body.append(sheet);
 }
 
-/** How a tool is drawn: as it says, or as any tool. */
+/** A tool's own drawing, or the default one. */
 export function drawingOf(tool: string): string {
   return known.has(tool) ? tool : "tool";
 }
 
-/** A use of a drawing; `size` is that of its cell in the units around it. */
+/** A reference to a drawing; `size` is the size of its cell in the surrounding units. */
 export function use(name: string, x: number, y: number, size: number): string {
   return `<use href="#${idOf(name)}" transform="translate(${x} ${y}) scale(${size})"/>`;
 }
 
-/** A thing as a small picture in text. */
+/** A thing as an icon in text. */
 export function icon(name: string, size = 22): SVGSVGElement {
   const picture = svg("svg", {
     viewBox: "0 0 1 1",

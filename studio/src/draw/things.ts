@@ -1,4 +1,4 @@
-/** What stands where on a board: the agent, tools, objects and their bins. */
+/** The things on a board: the agent, tools, objects and their bins. */
 
 import type { Cell, Placement } from "../core/protocol";
 import type { Standing, Tool, World } from "../core/world";
@@ -11,15 +11,15 @@ export interface Stood {
   readonly thing: Standing;
   readonly cell: Cell;
   readonly drawing: string;
-  /** By how much it is turned, clockwise. */
+  /** Its clockwise rotation in degrees. */
   readonly turn: number;
-  /** What is drawn small on it: of whom a bin is. */
+  /** A small drawing on top: the object that a bin belongs to. */
   readonly badge: string | null;
-  /** Whether something hides it: then it is drawn small. */
+  /** Whether something covers it; it is then drawn small. */
   readonly hidden: boolean;
 }
 
-/** What is drawn where; the last are drawn over the first. */
+/** The things to draw, back to front. */
 export function stood(world: World, tools: readonly Tool[], placement: Placement): Stood[] {
   const plain = { turn: 0, badge: null, hidden: false };
   const kinds = new Set(world.objects.map(({ kind }) => kind));

@@ -1,4 +1,4 @@
-/** A window over the page; Escape and a click beside it close it. */
+/** A dialog over the page; Escape and a click outside close it. */
 
 import { h, type Child } from "../core/elements";
 import { iconButton } from "./widgets";
@@ -10,7 +10,7 @@ export function openDialog(title: string, ...children: Child[]): () => void {
     h("div", { class: "dialog-head" }, h("h2", {}, title), iconButton("close", "Close", close)),
     ...children.filter((child) => child !== null),
   );
-  let beside = false; // where the press began: text that is selected beyond the edge is not lost
+  let beside = false; // where the press began: selecting text beyond the edge does not close the dialog
   dialog.addEventListener("pointerdown", (event) => (beside = event.target === dialog));
   dialog.addEventListener("click", (event) => beside && event.target === dialog && close());
   dialog.addEventListener("close", () => dialog.remove());

@@ -1,4 +1,4 @@
-/** Around the views: the name, the tabs, the idea in ten words, link, theme and help. */
+/** The frame around the views: name, tabs, definition, link, theme and help. */
 
 import type { App, View } from "../core/app";
 import type { Status } from "../core/connection";
@@ -12,23 +12,23 @@ export interface Frame {
   view(): string;
   open(view: string): void;
   showStatus(status: Status): void;
-  /** A line below the tabs about the link that was opened; null takes it away. */
+  /** A line below the tabs about the opened link; null removes it. */
   showLink(words: string | null): void;
 }
 
-/** The link to what is shown. */
+/** The link to the current scene and view. */
 export interface Link {
-  /** Where it is. */
+  /** Its address. */
   address(): string;
-  /** Has it in the address bar. */
+  /** Puts it in the address bar. */
   show(): void;
 }
 
-const IDEA = "Empowerment: how many different futures an agent can choose among.";
+const IDEA = "Empowerment: how many distinct futures an agent can choose from.";
 const STATUS: Record<Status, string> = {
   connecting: "connecting…",
   open: "",
-  lost: "The server is gone; trying again…",
+  lost: "Connection lost; reconnecting…",
 };
 
 export function createFrame(
@@ -88,10 +88,10 @@ export function createFrame(
   async function share(): Promise<void> {
     try {
       await navigator.clipboard.writeText(link.address());
-      notice("The link to exactly this is copied");
+      notice("Link copied");
     } catch {
       link.show();
-      notice("The link to exactly this is in the address bar");
+      notice("The link is in the address bar");
     }
   }
 
@@ -114,9 +114,9 @@ export function createFrame(
     "div",
     { class: "banner", id: "link-fault", role: "alert", hidden: true },
     words,
-    iconButton("close", "Hide this", () => (banner.hidden = true)),
+    iconButton("close", "Dismiss", () => (banner.hidden = true)),
   );
-  // What a finger or the mouse is drawing on does not move away below it.
+  // The page does not move while a finger or the mouse is drawing on it.
   let [pressed, outdated] = [false, false];
   addEventListener("pointerdown", () => (pressed = true), true);
   for (const end of ["pointerup", "pointercancel"]) {
@@ -137,7 +137,7 @@ export function createFrame(
       h(
         "div",
         { class: "icons" },
-        iconButton("link", "Copy the link to this", share, "share"),
+        iconButton("link", "Copy a link to this page", share, "share"),
         createThemeSwitch(),
         iconButton("help", "What is this? (?)", () => openHelp(hello), "help"),
       ),
@@ -153,9 +153,9 @@ export function createFrame(
       line.textContent = STATUS[status];
       line.hidden = status === "open";
     },
-    showLink(said) {
-      outdated = said === null;
-      if (said !== null) words.textContent = said;
+    showLink(message) {
+      outdated = message === null;
+      if (message !== null) words.textContent = message;
       if (!outdated || !pressed) banner.hidden = outdated;
     },
   };

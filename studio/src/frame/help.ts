@@ -1,4 +1,4 @@
-/** The idea in a minute, and every key. */
+/** A short introduction, and all keys. */
 
 import { h } from "../core/elements";
 import type { Hello } from "../core/protocol";
@@ -7,16 +7,16 @@ import { openDialog } from "./dialog";
 const KEYS: [string, string][] = [
   ["1 2 3 4", "Design, Play, Train, Run"],
   ["Ctrl Z, Ctrl Shift Z", "undo, redo"],
-  ["?", "this page"],
-  ["Design: arrows", "go from cell to cell"],
-  ["Space", "wall or floor; in the landscape: choose a cell"],
-  ["A T C B", "put agent, tool, can, bin there"],
-  ["Delete", "take away what is there"],
+  ["?", "this help"],
+  ["Design: arrows", "move between cells"],
+  ["Space", "toggle wall and floor; in the landscape, choose a cell"],
+  ["A T C B", "put agent, tool, can, bin into the cell"],
+  ["Delete", "remove what is in the cell"],
   ["Play: arrows", "move the agent"],
   ["W A S D", "put the tool north, west, south, east"],
-  ["B", "the bits of every cell"],
-  ["Q", "put the tool down, where that is allowed"],
-  ["R", "start again"],
+  ["B", "show the bits of every cell"],
+  ["Q", "drop the tool, if the map allows it"],
+  ["R", "restart"],
 ];
 
 export function openHelp({ limits, version }: Hello): void {
@@ -25,16 +25,16 @@ export function openHelp({ limits, version }: Hello): void {
     h(
       "p",
       {},
-      "An agent that can bring about many different futures has power over its world; one that is stuck has none. Count the futures it could choose among within a few steps, take the logarithm, and you have its ",
+      "An agent that can reach many different futures has control over its world; one that is stuck has none. Count the distinguishable futures it can choose from within a few steps and take the logarithm: this is its ",
       h("strong", {}, "empowerment"),
-      ": 1 bit is a choice of two, 3 bits a choice of eight.",
+      ". 1 bit is a choice of two, 3 bits a choice of eight.",
     ),
     h(
       "p",
       {},
-      "Looking at the can alone counts what the agent could do ",
+      "With the can as the only observation, it counts what the agent can do ",
       h("em", {}, "to the can"),
-      ". Where that is 0, it can do nothing to it. A good tool raises it; a bad one is in the way. Draw walls, drag things, and see.",
+      ". Where it is 0, the agent cannot affect the can. A good tool raises it; a bad one gets in the way. Draw walls and drag things to explore.",
     ),
     h(
       "dl",
@@ -44,7 +44,7 @@ export function openHelp({ limits, version }: Hello): void {
     h(
       "p",
       { class: "quiet" },
-      `Maps of ${limits.side[0]} to ${limits.side[1]} cells a side, up to ${limits.horizon} steps ahead, slip up to ${Math.round(100 * limits.slip)} %. Habilis ${version}; this page asks nobody but your own studio.`,
+      `Maps of ${limits.side[0]} to ${limits.side[1]} rows and columns, up to ${limits.horizon} steps ahead, slip up to ${Math.round(100 * limits.slip)} %. Rows and columns are counted from 0. Habilis ${version}; this page contacts no server but your own studio.`,
     ),
   );
 }

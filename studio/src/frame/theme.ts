@@ -1,4 +1,4 @@
-/** Light or dark: as the system has it, until one says otherwise. */
+/** Light or dark: the system's preference, until the user chooses. */
 
 import { iconButton } from "./widgets";
 
@@ -15,11 +15,11 @@ function kept(): Theme | null {
     const value = localStorage.getItem(KEPT);
     return value === "light" || value === "dark" ? value : null;
   } catch {
-    return null; // storage is shut off
+    return null; // storage is disabled
   }
 }
 
-/** The switch; it takes effect at once. */
+/** The theme switch; it takes effect at once. */
 export function createThemeSwitch(): HTMLElement {
   const holder = document.createElement("span");
   function show(): void {

@@ -1,4 +1,4 @@
-/** The controls that the views are made of. */
+/** The controls shared by all views. */
 
 import { h, set, type Child } from "../core/elements";
 
@@ -7,7 +7,7 @@ export interface Choice<Name extends string> {
   show(chosen: Name, off?: readonly string[]): void;
 }
 
-/** One of a few, side by side. */
+/** A choice of a few options, side by side. */
 export function segmented<Name extends string>(
   label: string,
   options: Record<Name, Child[]>,
@@ -33,7 +33,7 @@ export function segmented<Name extends string>(
   };
 }
 
-/** Something that is on or off. */
+/** An on-off switch. */
 export function toggle(
   label: string,
   id: string,
@@ -111,7 +111,7 @@ export function field(label: string, control: HTMLElement): HTMLElement {
 /** A whole or other number with its label above. */
 export function numberField(
   label: string,
-  range: { id: string; least: number; most: number; step: number; value: number },
+  range: { id: string; least: number; most?: number; step: number; value: number },
 ): { element: HTMLElement; input: HTMLInputElement } {
   const { id, least, most, step, value } = range;
   const input = h("input", { type: "number", id, min: least, max: most, step, value });
@@ -143,7 +143,7 @@ export function glyph(name: string): HTMLElement {
   return span;
 }
 
-/** A button with a sign alone; what it does is said and shown as a hint. */
+/** A button with an icon only; its action is the label and the tooltip. */
 export function iconButton(
   name: string,
   label: string,
@@ -170,7 +170,7 @@ export function button(
   );
 }
 
-/** Gives a button another name and sign, such as "Pause" while something plays. */
+/** Changes the label and icon of a button, such as to "Pause" during playback. */
 export function rename(element: HTMLButtonElement, label: string, sign: string): void {
   if (element.querySelector(".button-name")?.textContent === label) return;
   element.replaceChildren(glyph(sign), h("span", { class: "button-name" }, label));

@@ -4,7 +4,7 @@ import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
 import type { LandscapeAnswer, Placement } from "../core/protocol";
 import { inWords, message, toolsOf } from "../core/scene";
-import { scaleOf } from "../draw/heat";
+import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
 import type { Picture } from "../draw/board";
 import { toggle } from "../frame/widgets";
@@ -14,20 +14,20 @@ export interface Bits {
   readonly scale: HTMLElement;
   /** Switches the landscape on or off. */
   turn(): void;
-  /** What to draw under things that are there; asks for it where that is not known yet. */
+  /** The values to draw under the given placement; requests them if they are not known yet. */
   under(placement: Placement): NonNullable<Picture["values"]> | null;
-  /** Whether what is drawn is of an earlier placement. */
+  /** Whether the drawn values belong to an earlier placement. */
   late(): boolean;
-  /** Why there is nothing to draw, if something is wrong. */
+  /** The error, if there is one. */
   fault(): string;
 }
 
 export function createBits({ connection, store }: App, onChange: () => void): Bits {
-  const scale = createScaleBar("bits, were the agent there", 2);
+  const scale = createScaleBar("bits if the agent stood there", 2);
   const shown = toggle("Bits", "bits-layer", onChange);
   let answer: LandscapeAnswer | null = null;
   let asked: Asked | null = null;
-  let of = ""; // the question that was asked last
+  let of = ""; // the last question
   let late = false;
 
   function ask(placement: Placement): void {
@@ -42,7 +42,7 @@ export function createBits({ connection, store }: App, onChange: () => void): Bi
       if (next.progress !== undefined) return;
       asked?.forget();
       if (next.lost) {
-        of = ""; // to be asked again
+        of = ""; // ask again
         return;
       }
       [answer, late] = [next, false];

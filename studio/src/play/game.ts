@@ -1,4 +1,4 @@
-/** A game from the map's start: each action is asked of the server, one after the other. */
+/** A game from the map's start: actions are sent to the server one after the other. */
 
 import type { App } from "../core/app";
 import type { Placement, SolveAnswer, StepAnswer, Words } from "../core/protocol";
@@ -6,7 +6,7 @@ import { inWords, message, placementOf, startOf, toolsOf, type Scene } from "../
 
 export interface Game {
   placement: Placement;
-  /** At the start and after every step; null while it is not known. */
+  /** At the start and after every step; null while unknown. */
   bits: (number | null)[];
   equipped: boolean;
   attached: boolean;
@@ -18,22 +18,22 @@ export interface Player {
   game(): Game;
   act(action: number): void;
   reset(): void;
-  /** Acts out a shortest plan from here; `false` to `told` if there is none. */
-  showPlan(told: (steps: number | null) => void): void;
+  /** Plays a shortest plan from here; calls `onPlan` with null if there is none. */
+  showPlan(onPlan: (steps: number | null) => void): void;
   showing(): boolean;
   stop(): void;
-  /** Whether anybody looks; only then is the server asked what the start is worth. */
+  /** Whether the view is visible; only then are the bits of the start requested. */
   seen(seen: boolean): void;
 }
 
-const WAITING = 6; // actions that are not lost while the server thinks
+const WAITING = 6; // actions queued while the server is busy
 const PACE = 320; // milliseconds a step of the plan takes
 
 export function createPlayer({ connection, store }: App, onChange: () => void): Player {
   let game = fresh(store.scene());
   let queue: number[] = [];
   let busy = false;
-  let turn = 0; // of the games: answers to an earlier one are for nobody
+  let turn = 0; // counts games: answers to an earlier one are ignored
   let plan: number[] | null = null;
   let timer = 0;
   let looking = false;
@@ -58,7 +58,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     onChange();
   }
 
-  /** What a step is asked of. */
+  /** The scene and placement of a request. */
   function asking() {
     const scene = store.scene();
     const placement = inWords(scene.world, toolsOf(scene), game.placement);
@@ -130,7 +130,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     clearTimeout(timer);
   }
 
-  function showPlan(told: (steps: number | null) => void): void {
+  function showPlan(onPlan: (steps: number | null) => void): void {
     if (game.ended) reset();
     const of = turn;
     const asked = connection.ask<SolveAnswer>("solve", asking(), (answer) => {
@@ -140,17 +140,17 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
         stop();
         if (answer.error !== undefined && !answer.lost) game = { ...game, error: answer.error };
         onChange();
-        if (answer.error === undefined) told(null);
+        if (answer.error === undefined) onPlan(null);
         return;
       }
-      told(answer.steps ?? null);
+      onPlan(answer.steps ?? null);
       plan = [...(answer.actions ?? [])];
       follow();
     });
     plan = [];
   }
 
-  /** The plan's next step, once the server has answered the one before. */
+  /** Plays the plan's next step, once the server has answered the previous one. */
   function follow(): void {
     if (busy) {
       timer = window.setTimeout(follow, PACE);

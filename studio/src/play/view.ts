@@ -1,4 +1,4 @@
-/** Play: the arrow keys move the agent, W A S D the tool, and the bits are drawn as one goes. */
+/** Play: the arrow keys move the agent, W A S D the tool; a chart shows the bits along the way. */
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
@@ -23,7 +23,7 @@ const MOVES = Object.values(ARROWS);
 export function createPlay(app: App): View {
   const { store } = app;
   const board = createBoard("The world being played", "play-board", true);
-  const chart = createChart("Bits from step to step", "bits-chart");
+  const chart = createChart("Bits at each step", "bits-chart");
   const now = h("span", { class: "number", id: "bits-now" }, "–");
   const state = h("p", { class: "quiet", id: "play-state", "aria-live": "polite" });
   const task = h("p", { class: "quiet" });
@@ -35,31 +35,31 @@ export function createPlay(app: App): View {
   const show = button("Show me", () => {
     if (player.showing()) player.stop();
     else {
-      tell("Looking for the shortest plan…");
-      player.showPlan(tellPlan);
+      announce("Looking for the shortest plan…");
+      player.showPlan(showPlanLength);
     }
     draw();
   }, { id: "show-me", kind: "primary", sign: "play" });
-  const reset = button("Start again", player.reset, { id: "reset", sign: "reset" });
+  const reset = button("Restart", player.reset, { id: "reset", sign: "reset" });
 
-  function tellPlan(steps: number | null): void {
-    if (steps === null) notice("It cannot be brought to the bin from here");
-    tell(
+  function showPlanLength(steps: number | null): void {
+    if (steps === null) notice("The goal is unreachable from here");
+    announce(
       steps === null
-        ? "No plan: the bin is out of reach."
-        : `Shortest plan from there: ${steps} ${steps === 1 ? "step" : "steps"}.`,
+        ? "No plan: the bin is unreachable."
+        : `Shortest plan from here: ${steps} ${steps === 1 ? "step" : "steps"}.`,
     );
   }
 
-  /** Says something of a plan in the place of the task. */
-  function tell(words: string): void {
+  /** Shows a message about a plan in place of the task. */
+  function announce(words: string): void {
     plan.textContent = words;
     plan.hidden = words === "";
     task.hidden = !plan.hidden;
   }
 
-  const drop = button("Put down", () => player.act(8), { id: "put-down" });
-  drop.title = "Put the tool in hand down (Q)";
+  const drop = button("Drop", () => player.act(8), { id: "put-down" });
+  drop.title = "Drop the tool in hand (Q)";
   const pads = CAPS.map((caps, of) =>
     h(
       "div",
@@ -115,7 +115,7 @@ export function createPlay(app: App): View {
       : equipped ? `the ${held} is in hand` : "";
     const after = `${steps} ${steps === 1 ? "step" : "steps"}`;
     const fault = error ?? layer.fault();
-    state.textContent = fault || (ended ? `${many ? "All is in its bin" : `The ${object} is in the bin`} after ${after}.` : [after, hand].filter(Boolean).join(" · "));
+    state.textContent = fault || (ended ? `${many ? "Every object is in its bin" : `The ${object} is in the bin`} after ${after}.` : [after, hand].filter(Boolean).join(" · "));
     state.classList.toggle("fault", Boolean(fault));
     state.classList.toggle("good", ended);
     pads[1]!.classList.toggle("off", !tools.length);
@@ -124,10 +124,10 @@ export function createPlay(app: App): View {
     task.textContent = many ? "bring every object to its bin" : `bring the ${object} to the bin`;
     if (player.showing()) rename(show, "Stop", "stop");
     else rename(show, "Show me", "play");
-    if (!steps && !player.showing()) tell("");
+    if (!steps && !player.showing()) announce("");
   }
 
-  /** The move that leads into the cell under the pointer, if it is beside the agent. */
+  /** The move into the cell under the pointer, if it is next to the agent. */
   function moveUnder(event: PointerEvent): number {
     const cell = board.cellAt(event);
     const [row, column] = player.game().placement.agent;
@@ -153,7 +153,7 @@ export function createPlay(app: App): View {
     event.preventDefault();
   });
 
-  /** Whether there is such an action: without a tool only moves. */
+  /** Whether the action exists: without a tool there are only moves. */
   function allowed(action: number): boolean {
     const scene = store.scene();
     const tools = toolsOf(scene).length > 0;

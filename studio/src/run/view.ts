@@ -1,4 +1,4 @@
-/** Run: a trained agent acted out, with what it thinks of every action and every cell. */
+/** Run: episodes of a trained agent, with its action probabilities and state values. */
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
@@ -10,7 +10,7 @@ import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
 import { letDrag } from "../draw/dragging";
 import { stood } from "../draw/things";
-import { scaleOf } from "../draw/heat";
+import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
 import { rowColumn } from "../design/editor";
 import { button, card, rename, segmented, select, slider } from "../frame/widgets";
@@ -18,18 +18,18 @@ import { button, card, rename, segmented, select, slider } from "../frame/widget
 const PACE = 420;
 const SHOWN = { policy: ["Policy"], values: ["Values"], both: ["Both"] };
 
-export function createRun({ hello, connection, acted }: App): View {
-  const board = createBoard("The agent at work", "run-board", true);
+export function createRun({ hello, connection, watched }: App): View {
+  const board = createBoard("The trained agent", "run-board", true);
   const chart = createChart("Learning curve of the run", "run-curve");
   const title = h("h2", {}, "Run");
-  const told = h("p", { class: "quiet", id: "run-told", "aria-live": "polite" });
+  const caption = h("p", { class: "quiet", id: "run-caption", "aria-live": "polite" });
   const bars = h("ul", { class: "bars actions", id: "action-bars" });
   const index = h("span", { class: "run-index" });
-  const scale = createScaleBar("value, with tool and can as they start", 1);
+  const scale = createScaleBar("state value, with tool and can at their starts", 1);
   let which = 0;
-  let elsewhere: Placement | null = null; // where it is to begin, if not where the map has it
+  let elsewhere: Placement | null = null; // the start, if it differs from the map's
   let answer: RunAnswer | null = null;
-  let map: World; // there is one as soon as there is a run
+  let map: World; // set as soon as there is a run
   let shown: keyof typeof SHOWN = "both";
   let step = 0;
   let moved: Placement | null = null; // while things are dragged
@@ -46,10 +46,10 @@ export function createRun({ hello, connection, acted }: App): View {
     step = value;
     draw();
   });
-  const back = button("From the start", () => begin(null), { id: "run-back", sign: "reset" });
+  const back = button("Back to the start", () => begin(null), { id: "run-back", sign: "reset" });
   const play = button("Play", () => (timer ? stop() : go()), { id: "run-play", kind: "primary", sign: "play" });
 
-  /** Acts it out from there, or from where the map has everything. */
+  /** Plays an episode from the placement, or from the map's. */
   function begin(placement: Placement | null): void {
     elsewhere = placement;
     load();
@@ -57,21 +57,21 @@ export function createRun({ hello, connection, acted }: App): View {
 
   function load(): void {
     stop();
-    told.textContent = "Acting it out…";
-    told.className = "quiet";
-    const name = acted.current()?.asked;
+    caption.textContent = "Playing the episode…";
+    caption.className = "quiet";
+    const name = watched.current()?.asked;
     const body = {
       index: which,
       ...(name === undefined ? {} : { name }),
-      ...(elsewhere === null ? {} : { placement: said(elsewhere) }),
+      ...(elsewhere === null ? {} : { placement: inServerWords(elsewhere) }),
     };
     const asked = connection.ask<RunAnswer>("run", body, (next) => {
       if (next.progress !== undefined) return;
       asked.forget();
       full.classList.toggle("failed", next.error !== undefined && answer === null);
-      told.className = next.error === undefined ? "quiet" : "fault";
+      caption.className = next.error === undefined ? "quiet" : "fault";
       if (next.error !== undefined) {
-        told.textContent = next.error;
+        caption.textContent = next.error;
         return;
       }
       [answer, step, moved] = [next, 0, null];
@@ -82,13 +82,13 @@ export function createRun({ hello, connection, acted }: App): View {
     });
   }
 
-  /** Where things are now, dragged or not. */
+  /** The current placement, including drags. */
   function here(): Placement | null {
     const words = answer?.episode?.placements[step];
     return moved ?? (words ? placementOf(map, map.tools, words) : null);
   }
-  /** In the server's words; what was dragged is in nobody's hand by history. */
-  function said({ agent, tools, objects }: Placement) {
+  /** In the server's format; after a drag, which tool is in hand follows from the placement. */
+  function inServerWords({ agent, tools, objects }: Placement) {
     return inWords(map, map.tools, { agent, tools, objects });
   }
 
@@ -113,7 +113,7 @@ export function createRun({ hello, connection, acted }: App): View {
   }
 
   function draw(): void {
-    const about = acted.current();
+    const about = watched.current();
     if (timer) rename(play, "Pause", "pause");
     else rename(play, "Play", "play");
     if (about === null || !answer?.episode) return;
@@ -135,14 +135,14 @@ export function createRun({ hello, connection, acted }: App): View {
     steps.show(step);
     drawBars(answer.policy?.episode[step] ?? null, answer.episode.actions[step]);
     const length = answer.episode.actions.length;
-    const { finished, return: worth } = answer.episode;
-    const best = answer.episode.best_return ?? worth;
+    const { finished, return: total } = answer.episode;
+    const best = answer.episode.best_return ?? total;
     const outcome = finished
-      ? `the can is in the bin: return ${signed(worth)}, the best possible is ${signed(best)}`
+      ? `the can is in the bin: return ${signed(total)}, best possible ${signed(best)}`
       : answer.episode.best_return === null
-        ? "from where there is no way to the bin"
-        : "and it goes in circles: the can never gets to the bin";
-    told.textContent = `${length} ${length === 1 ? "step" : "steps"}, ${outcome}.`;
+        ? "the bin is unreachable from the start"
+        : "then it goes in circles: the can never reaches the bin";
+    caption.textContent = `${length} ${length === 1 ? "step" : "steps"}, ${outcome}.`;
     const curve = answer.curve;
     chart.draw({
       lines: curve ? [{ label: about.name, x: curve.x, y: curve.mean, low: curve.low, high: curve.high, kind: 0 }] : [],
@@ -171,7 +171,7 @@ export function createRun({ hello, connection, acted }: App): View {
     );
   }
 
-  /** Whether a thing may be put down there. */
+  /** Whether a thing may be put into a cell. */
   function free({ what, of }: Standing, cell: Cell, among: Placement): boolean {
     const taken = [among.agent, ...among.tools, ...among.objects].some((other) => same(other, cell));
     const goal = what === "object" ? map.objects[of]!.goal : null;
@@ -179,7 +179,7 @@ export function createRun({ hello, connection, acted }: App): View {
     return !taken && !done && !map.walls[indexOf(map, cell)];
   }
 
-  /** What may be dragged from there: all but bins. */
+  /** The draggable thing in a cell: anything but a bin. */
   function thingIn(cell: Cell): Standing | null {
     const now = active ? here() : null;
     const there = now === null ? [] : stood(map, map.tools, now);
@@ -221,15 +221,15 @@ export function createRun({ hello, connection, acted }: App): View {
       scale.element,
       h("div", { class: "card-foot" }, h("div", { class: "buttons" }, play, back), layers.element),
       steps.element,
-      h("p", { class: "quiet" }, "Drag the agent, the tool or the can: it begins from there."),
+      h("p", { class: "quiet" }, "Drag the agent, the tool or the can to start the episode from there."),
     ),
     card(
-      "What it learned",
+      "Trained agent",
       "side",
-      h("h3", {}, "What it would do"),
+      h("h3", {}, "Action probabilities"),
       bars,
-      told,
-      h("h3", {}, "How it learned"),
+      caption,
+      h("h3", {}, "Learning curve"),
       chart.element,
     ),
   );
@@ -237,12 +237,12 @@ export function createRun({ hello, connection, acted }: App): View {
     "div",
     { class: "nothing" },
     h("h2", {}, "There is no agent to watch yet"),
-    h("p", {}, "Train an agent in this page, press Watch beside one of an earlier training there, or start the studio with a folder that habilis train wrote:"),
+    h("p", {}, "Train an agent in the Train tab, press Watch beside an earlier training there, or start the studio with a folder written by habilis train:"),
     h("code", {}, "habilis studio FOLDER"),
   );
   const element = h("div", { class: "run-place" }, empty, full);
 
-  acted.watch((about) => {
+  watched.watch((about) => {
     empty.hidden = about !== null;
     full.hidden = about === null;
     if (about === null) return;
@@ -252,7 +252,7 @@ export function createRun({ hello, connection, acted }: App): View {
     const runs = Object.fromEntries(
       Array.from({ length: about.runs }, (_, k) => [String(k), `run ${k + 1} of ${about.runs}`]),
     );
-    index.replaceChildren(select("Which run", runs, (chosen) => {
+    index.replaceChildren(select("Run number", runs, (chosen) => {
       which = Number(chosen);
       load();
     }));
@@ -262,7 +262,7 @@ export function createRun({ hello, connection, acted }: App): View {
     element,
     entered() {
       active = true;
-      if (acted.current() !== null && answer === null) load();
+      if (watched.current() !== null && answer === null) load();
       else draw();
     },
     left() {

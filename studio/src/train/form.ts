@@ -1,4 +1,4 @@
-/** What a training is asked to do, as the page lets one choose it. */
+/** The form with the settings of a training. */
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
@@ -28,9 +28,9 @@ export function createForm({ hello, store }: App): { element: HTMLElement; setti
   const horizon = numberField("Steps ahead", {
     id: "train-horizon", least: 1, most: hello.limits.horizon, step: 1, value: first.horizon,
   });
-  const beta = numberField("Weight β", { id: "beta", least: 0, most: 10, step: 0.01, value: first.beta });
+  const beta = numberField("Weight β", { id: "beta", least: 0, step: 0.01, value: first.beta });
   const runs = numberField("Runs", { id: "runs", least: 1, most: limits.runs, step: 1, value: first.runs });
-  const seed = numberField("Seed", { id: "seed", least: 0, most: 2 ** 32 - 1, step: 1, value: first.seed });
+  const seed = numberField("Seed", { id: "seed", least: 0, most: limits.seed, step: 1, value: first.seed });
   const episodes = numberField("Episodes", {
     id: "episodes", least: 1, most: limits.episodes, step: 1, value: first.episodes,
   });
@@ -63,7 +63,7 @@ export function createForm({ hello, store }: App): { element: HTMLElement; setti
   };
 }
 
-/** The intrinsic rewards that there are in a world: of several objects of each, and of all. */
+/** The intrinsic rewards available in a world: with several objects, over each and over all. */
 function intrinsics({ intrinsic }: Offered, world: World): Record<string, string> {
   if (!several(world)) return intrinsic;
   const over = (sensor: string, names: string[]) =>
@@ -80,7 +80,7 @@ function intrinsics({ intrinsic }: Offered, world: World): Record<string, string
   ]) as Record<string, string>;
 }
 
-/** What tells a training from others, in a few words; its world has the tools that were used. */
+/** A short label of a training; the world has the tools that were used. */
 export function summary(offered: Offered, settings: Settings, world: World): string {
   const { horizon, beta, seed, algorithm } = settings;
   const named = intrinsics(offered, world)[settings.intrinsic] ?? settings.intrinsic;

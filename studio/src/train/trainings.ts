@@ -1,4 +1,4 @@
-/** The trainings of this page, followed as they stream in, and those that the server has kept. */
+/** The trainings of this page, updated as results arrive, and those kept by the server. */
 
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
@@ -10,44 +10,44 @@ import { worldOf } from "../core/world";
 import { summary } from "./form";
 
 export interface Training {
-  /** Whether it was begun on this page. */
+  /** Whether this page started it. */
   readonly own: boolean;
   label: string;
   runs: number;
   drawn: Drawn | null;
   config: Record<string, unknown>;
-  /** That of its folder. */
+  /** The name of its folder. */
   name: string | null;
   curve: CurveData | null;
   share: number;
   steps: number;
   episodes: number;
   best: number | null;
-  /** Each run's episodes to convergence; null while it trains, and where it has not come to its end. */
+  /** Each run's episodes to convergence; null while it trains, or if it did not finish. */
   converged: (number | null)[] | null;
-  /** Whether there is something to watch, and nothing more to come to this page. */
+  /** Whether it can be watched, and no further answers will come. */
   done: boolean;
   stopped: boolean;
-  /** Whether it trains, for another page. */
+  /** Whether it is training for another page. */
   elsewhere: boolean;
   error: string | null;
-  /** Which of the chart's two lines it is, if it is drawn. */
+  /** Its line in the chart, if it is drawn. */
   line: 0 | 1 | null;
 }
 
 export interface Trainings {
   all(): readonly Training[];
   running(): Training | null;
-  /** How many earlier ones are not listed. */
+  /** The number of older ones that are not listed. */
   leftOut(): number;
-  /** Why those that are kept cannot be listed. */
+  /** The error, if the kept ones cannot be listed. */
   fault(): string;
   begin(settings: Settings): void;
   stop(): void;
   toggle(training: Training): void;
-  /** Makes this the run that is acted out. */
+  /** Makes this the run to watch. */
   watch(training: Training): void;
-  /** Asks the server which it has kept. */
+  /** Requests the list of kept trainings. */
   list(): void;
 }
 
@@ -57,7 +57,7 @@ const NOTHING = {
 } as const;
 
 export function createTrainings(app: App, onChange: () => void): Trainings {
-  const { connection, store, acted } = app;
+  const { connection, store, watched } = app;
   let trainings: Training[] = [];
   let asked: Asked | null = null;
   let listing: Asked | null = null;
@@ -66,7 +66,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
   let fault = "";
   let due = false;
 
-  /** Shows what many answers come to once, not each of them. */
+  /** Redraws once for many answers. */
   function soon(): void {
     if (due) return;
     due = true;
@@ -78,7 +78,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
 
   const running = () => trainings.find(({ own, done, error }) => own && !done && error === null) ?? null;
 
-  /** Gives it a line; with two drawn, the older of them leaves. */
+  /** Gives it a line; if two are drawn, the older one is removed. */
   function draw(training: Training): void {
     const drawn = trainings.filter(({ line }) => line !== null);
     if (drawn.length === 2) drawn[0]!.line = null;
@@ -87,8 +87,8 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
   }
 
   function watch({ label, name, done, runs, drawn, config }: Training): void {
-    if (!done || name === null || drawn === null || acted.current()?.asked === name) return;
-    acted.show({ name: label, asked: name, runs, drawn, config });
+    if (!done || name === null || drawn === null || watched.current()?.asked === name) return;
+    watched.show({ name: label, asked: name, runs, drawn, config });
   }
 
   function take(training: Training, answer: TrainAnswer): void {
@@ -116,7 +116,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
       if (answer.error !== undefined) {
         training.error = answer.error;
         if (training.curve === null) training.line = null;
-        list(); // something of it may be kept
+        list(); // part of it may be kept
       }
       if (answer.done) {
         [training.done, training.converged] = [true, answer.done.converged_at];
@@ -139,7 +139,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     });
   }
 
-  /** In the order of the server, what has just begun last. */
+  /** Sorts as the server does, the newest last. */
   function arrange(names: readonly string[], others: number): void {
     leftOut = others;
     const age = ({ name }: Training) => (name === null ? -1 : names.indexOf(name));
@@ -159,11 +159,11 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     const training = trainings.find((one) => one.name === name);
     if (training === undefined) return;
     if (training.own) {
-      // It was lost from sight here; what there is of it can be watched.
+      // The connection was lost; whatever was kept can be watched.
       if (training.error !== null && !under_way && error === undefined) training.done = true;
       return;
     }
-    if (training.elsewhere && !under_way) training.curve = null; // there is more of it by now
+    if (training.elsewhere && !under_way) training.curve = null; // it has progressed since
     training.elsewhere = under_way;
     training.label = name;
     training.error = under_way ? null : (error ?? null);
@@ -174,7 +174,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     read();
   }
 
-  /** Asks for the curves of those that are drawn, one after the other. */
+  /** Requests the curves of the drawn ones, one after the other. */
   function read(): void {
     const next = trainings.find(({ own, line, curve, error }) => !own && line !== null && curve === null && error === null);
     if (next === undefined || reading !== null) return;
@@ -186,7 +186,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
       take(next, answer);
       if (next.curve === null) {
         next.line = null;
-        next.error = answer.error ?? "there is no curve yet: one of its runs has not ended an episode";
+        next.error = answer.error ?? "there is no curve yet: one of its runs has not finished an episode";
       }
       soon();
       read();

@@ -1,4 +1,4 @@
-/** Train: the library's own trainer on the world that is shown, its curves as they come in. */
+/** Train: the library's trainer on the current world, with live learning curves. */
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
@@ -7,7 +7,7 @@ import { button, card } from "../frame/widgets";
 import { createForm } from "./form";
 import { createTrainings, type Training } from "./trainings";
 
-const PACE = 2000; // milliseconds between two looks at what trains elsewhere
+const PACE = 2000; // milliseconds between updates of trainings of other pages
 
 export function createTrain(app: App, openRun: () => void): View {
   const form = createForm(app);
@@ -42,7 +42,7 @@ export function createTrain(app: App, openRun: () => void): View {
       level: best === null ? null : { y: best, label: "best possible" },
       squeezed: true,
       ...(best === null ? {} : { yMost: 0 }),
-      empty: going ? "The first episodes are on their way…" : "Choose a reward and press Start.",
+      empty: going ? "Waiting for the first episodes…" : "Choose a reward and press Start.",
     });
     list.replaceChildren(...trainings.all().toReversed().map(rowOf));
     earlier.textContent = trainings.fault() || wordsOnOthers(trainings.leftOut(), app.hello.kept);
@@ -90,7 +90,7 @@ export function createTrain(app: App, openRun: () => void): View {
       h("div", { class: "card-head" }, h("h2", {}, "Train")),
       form.element,
       h("div", { class: "buttons" }, start, stop),
-      h("p", { class: "quiet" }, "On the world as it is drawn, from its start."),
+      h("p", { class: "quiet" }, "Trains in the world as drawn, from its start."),
       h("p", { class: "quiet", id: "kept" }, whereKept(app.hello.kept)),
     ),
     card(
@@ -121,12 +121,12 @@ export function createTrain(app: App, openRun: () => void): View {
 function wordsOnOthers(count: number, folder: string | null): string {
   if (!count) return "";
   const which = count === 1 ? "One earlier training is" : `${count.toLocaleString("en-GB")} earlier trainings are`;
-  return `${which} not listed${folder === null ? "" : `; habilis watch shows any folder of ${folder}`}.`;
+  return `${which} not listed${folder === null ? "" : `; use habilis watch with its folder in ${folder}`}.`;
 }
 
 function whereKept(folder: string | null): string {
-  if (folder === null) return "Kept until the studio ends; habilis studio --out DIR keeps it for good.";
-  return `Kept in ${folder}, each in a folder of the name below it.`;
+  if (folder === null) return "Kept until the studio ends; start habilis studio --out DIR to keep trainings.";
+  return `Kept in ${folder}, each in a folder named as below.`;
 }
 
 function wordsOn({ own, done, stopped, elsewhere, steps, episodes, curve, runs, converged: at }: Training): string {
@@ -134,7 +134,7 @@ function wordsOn({ own, done, stopped, elsewhere, steps, episodes, curve, runs, 
   const now = last === undefined ? "" : `return ${last.toFixed(1).replace("-", "−")}`;
   const count = (value: number) => Math.round(value).toLocaleString("en-GB");
   const so = `${count(episodes / runs)} episodes`;
-  if (elsewhere) return "still training, or ending";
+  if (elsewhere) return "still training";
   if (!own && !done) return "";
   if (!done && stopped) return "stopping…";
   if (!done) return steps ? [now, so, `${count(steps)} steps`].filter(Boolean).join(" · ") : "starting…";
@@ -142,6 +142,6 @@ function wordsOn({ own, done, stopped, elsewhere, steps, episodes, curve, runs, 
   const mean = converged.reduce((sum, one) => sum + one, 0) / converged.length;
   const end = converged.length
     ? `${converged.length} of ${runs} converged, after ${count(mean)} episodes`
-    : stopped || at === null ? (episodes ? `stopped after ${so}` : "stopped before its end") : `none of ${runs} converged`;
+    : stopped || at === null ? (episodes ? `stopped after ${so}` : "stopped early") : `none of ${runs} converged`;
   return [now, end].filter(Boolean).join(" · ");
 }

@@ -1,17 +1,17 @@
-/** The colours of values: viridis without its dark end, as in the library's pictures. */
+/** The colour map: viridis without its dark end, as in the library's pictures. */
 
 const STOPS = [
   0x414487, 0x3b528b, 0x355f8d, 0x2f6c8e, 0x2a788e, 0x25848e, 0x21918c, 0x1e9c89, 0x22a884,
   0x2fb47c, 0x44bf70, 0x5ec962, 0x7ad151, 0x9bd93c, 0xbddf26, 0xdfe318, 0xfde725,
 ];
-const HALFWAY = 0.179; // the luminance on which black and white contrast alike
+const HALFWAY = 0.179; // the luminance at which black and white have equal contrast
 
 export interface Scale {
   readonly low: number;
   readonly high: number;
 }
 
-/** The two ends of a colour scale; where all values are one, that is its lower end. */
+/** The two ends of a colour scale; a single value becomes its lower end. */
 export function scaleOf(least: number, most: number): Scale {
   return { low: least, high: most > least ? most : least + 1 };
 }

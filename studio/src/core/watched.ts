@@ -1,14 +1,14 @@
-/** Which trained run can be acted out: that of the folder, then whatever was trained last. */
+/** The trained run to watch: that of the folder, then whichever was trained last. */
 
 import type { RunAbout } from "./protocol";
 
-export interface Acted {
+export interface Watched {
   current(): RunAbout | null;
   show(about: RunAbout): void;
   watch(watcher: (about: RunAbout | null) => void): void;
 }
 
-export function createActed(first: RunAbout | null): Acted {
+export function createWatched(first: RunAbout | null): Watched {
   let about = first;
   const watchers: ((about: RunAbout | null) => void)[] = [];
   return {
