@@ -227,7 +227,9 @@ UNREADABLE = {
     "w=4x4.A*A.0.1.2.3&t=picker": "its map “4x4.A*A.0.1.2.3” is damaged",
     "w=4x4.AAA..1.2.3&t=picker": "its map “4x4.AAA..1.2.3” is damaged",
     "w=4x4.AAA.0.1.2.-&t=picker": "its map “4x4.AAA.0.1.2.-” is damaged",
-    "w=9999x9999.AAAA.1.2.3.4&t=picker": "its map has 9999 × 9999 cells, and a map has 4 to 30 rows and columns",
+    "w=9999x9999.AAAA.1.2.3.4&t=picker": (
+        "its map has 9999 × 9999 cells, and a map has 4 to 30 rows and columns"
+    ),
     "w=4x4.AAA.1.1.2.3&t=picker": "the picker of its map shares a cell with the agent",
     "w=4x4.AAA.0.1.2.16&t=picker": "the bin of the can of its map lies outside the map",
     "w=4x4.__8.0.1.2.3&t=picker": "the agent of its map is in a wall",
@@ -317,7 +319,8 @@ def test_a_link_with_a_tool_that_is_not_known_here_leaves_it_out(browser: Browse
     page = browser.new_page(viewport=SIZE)
     page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=%2Ftmp%2Fmine.py%3ASpoon&h=2")
     expect(page.locator(LINK_FAULT)).to_contain_text(
-        "its tool “/tmp/mine.py:Spoon” is unknown here, and is left out (start the studio with --tool)"
+        "its tool “/tmp/mine.py:Spoon” is unknown here, and is left out (start the studio with "
+        "--tool)"
     )
     assert shown_bits(page) == true_bits(World.parse("A.CG\n....\n....\n...."), 2)
     page.goto(f"{address}#w=4x4.AAA.0.1.2.3&t=picker&m=spoon@8,ball@9&h=2")
@@ -507,7 +510,8 @@ def test_a_tie_is_called_one(page: Page):
     verdict = page.locator("#verdict")
     shown_averages(page)
     expect(verdict).to_have_text(
-        "The picker makes no difference: the agent cannot affect the can, with it or with bare hands."
+        "The picker makes no difference: the agent cannot affect the can, with it or with bare "
+        "hands."
     )
     expect(verdict).to_have_attribute("data-kind", "none")
     keep_picture(page, "design-tie")

@@ -63,7 +63,9 @@ def test_bad_arguments_are_one_line_and_exit_2(capsys, tmp_path):
     assert "cannot listen there" in refused(capsys, "--host", "192.0.2.1")
     assert "cannot listen there" in refused(capsys, "--host", "no such host")
     assert "tool 'spoon' is unknown" in refused(capsys, "--tool", "spoon")
-    assert "tool 'rake' is given twice or built in; leave it out" in refused(capsys, "--tool", "rake")
+    assert "tool 'rake' is given twice or built in; leave it out" in refused(
+        capsys, "--tool", "rake"
+    )
     (tmp_path / "config.json").write_text("{")
     assert "is damaged" in refused(capsys, tmp_path)
     assert "config.json is not a folder" in refused(capsys, "--out", tmp_path / "config.json" / "a")
