@@ -14,7 +14,7 @@ from habilis.learning.folder import load_run
 from habilis.learning.networks import Separate
 from habilis.learning.presets import PRESETS, preset
 from habilis.learning.replay import learned, success, table_of
-from habilis.studio import trained
+from habilis.studio import run_steps
 
 ROOM = "A.\nC.\n..\nG.\n"
 
@@ -163,8 +163,8 @@ def test_a_run_with_a_preset_is_kept_read_back_and_watched(name, room, tmp_path,
     capsys.readouterr()
     assert main(["watch", str(folder), "--run", "1", "--json"]) in (0, 1)
     assert json.loads(capsys.readouterr().out)["ended"] is True
-    assert len(trained.view(str(folder), 1)["values"]) == 4
-    assert trained.kept(str(folder))["ended"] is True
+    assert len(run_steps.view(str(folder), 1)["values"]) == 4
+    assert run_steps.kept(str(folder))["ended"] is True
 
 
 def test_both_kinds_of_observation_are_trained_side_by_side(room):

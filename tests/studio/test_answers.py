@@ -10,7 +10,7 @@ import habilis as hb
 from habilis.analysis.averages import compare
 from habilis.analysis.futures import futures
 from habilis.analysis.usefulness import usefulness
-from habilis.studio.drawn import world_of
+from habilis.studio.drawn_worlds import world_of
 from habilis.worlds.tools import TOOLS
 from studio import page, printing_rake, scene, studio
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from habilis.studio import limits, messages
-from habilis.studio.answering import Pools
+from habilis.studio.scene_requests import Pools
 from habilis.studio.scenes import _DEFAULTS, ACTIONS, SENSORS
 from habilis.studio.security import Access
 from habilis.studio.server import Studio
-from habilis.studio.training import Trainings
+from habilis.studio.training_jobs import Trainings
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "how-to" / "studio.md").read_text("utf-8")

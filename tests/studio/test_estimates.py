@@ -6,9 +6,9 @@ import numpy as np
 
 import habilis as hb
 from habilis.analysis.averages import compare, compared_states
-from habilis.studio import work
+from habilis.studio import scene_steps
 from habilis.studio.chance import drawn
-from habilis.studio.estimating import Estimate, verdicts
+from habilis.studio.estimates import Estimate, verdicts
 from habilis.studio.limits import DRAWN
 from habilis.studio.scenes import Scene
 
@@ -19,7 +19,7 @@ def test_an_estimate_is_as_near_to_the_average_as_it_says():
     exact = compare(WORLD, ["picker", "broom", "none"], 2, slip=0.1)
     asked = Scene(WORLD, horizon=2, slip=0.1)
     for tool, wanted in exact.items():
-        bits = work.sampled(asked, tool, 0, DRAWN)["bits"]
+        bits = scene_steps.sampled(asked, tool, 0, DRAWN)["bits"]
         found = Estimate.of(bits)
         assert len(bits) == DRAWN
         assert 0 < abs(found.bits - wanted) < 1.5 * found.within
@@ -28,8 +28,8 @@ def test_an_estimate_is_as_near_to_the_average_as_it_says():
 
 def test_that_a_tool_can_be_put_down_changes_no_average():
     laid = replace(WORLD, drop=True)
-    for one, slip in ((work.average, 0.0), (work.sampled, 0.1)):
-        some = (0, 3) if one is work.sampled else ()
+    for one, slip in ((scene_steps.average, 0.0), (scene_steps.sampled, 0.1)):
+        some = (0, 3) if one is scene_steps.sampled else ()
         found, wanted = (
             one(Scene(world, horizon=2, slip=slip), "picker", *some) for world in (laid, WORLD)
         )
@@ -49,8 +49,8 @@ def test_placements_are_drawn_as_those_that_averages_go_over():
 
 def test_an_average_that_takes_too_long_is_left_to_an_estimate():
     large = hb.load_world("yard")
-    assert work.average(Scene(large, horizon=4, slip=0.2), "picker") == {"bits": None}
-    assert work.average(Scene(large, horizon=4), "picker")["bits"] > 0
+    assert scene_steps.average(Scene(large, horizon=4, slip=0.2), "picker") == {"bits": None}
+    assert scene_steps.average(Scene(large, horizon=4), "picker")["bits"] > 0
 
 
 def test_a_verdict_is_left_open_where_estimates_overlap():

@@ -9,7 +9,7 @@ import pytest
 
 import habilis as hb
 from habilis.studio.limits import LISTED
-from habilis.studio.training import Trainings
+from habilis.studio.training_jobs import Trainings
 from studio import Page, page, scene, studio
 
 SMALL = hb.World.parse("A...\nP.C.\n...G\n....", "small")

@@ -12,8 +12,9 @@ from websockets.exceptions import ConnectionClosed
 
 import habilis as hb
 from habilis.studio.limits import CLIENTS, MESSAGE
-from habilis.studio.messages import _SETTINGS, MessageError, Request, read
-from habilis.studio.training import Trainings
+from habilis.studio.messages import MessageError, Request, read
+from habilis.studio.training_jobs import Trainings
+from habilis.studio.training_settings import SETTINGS
 from studio import page, scene, studio
 
 TOOLS = ("picker", "broom")
@@ -156,7 +157,7 @@ def test_a_message_that_is_too_long_is_answered_to_its_sender(address):
 
 
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(st.dictionaries(st.sampled_from(_SETTINGS), VALUES, max_size=3))
+@given(st.dictionaries(st.sampled_from(SETTINGS), VALUES, max_size=3))
 def test_whatever_the_settings_of_a_training_are_they_are_taken_or_one_line_of_error(given):
     message = {"id": 1, "do": "train", "scene": SCENE, "settings": given}
     with tempfile.TemporaryDirectory() as folder:

@@ -7,7 +7,7 @@ import pytest
 
 import habilis as hb
 from habilis.analysis.averages import compare
-from habilis.studio.drawn import described, world_of
+from habilis.studio.drawn_worlds import drawn_of, world_of
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import reachable
 from habilis.worlds.tools import TOOLS
@@ -21,7 +21,7 @@ WORLD = hb.World.parse(
 
 def drawn(world: hb.World, **measured):
     """As the page says it."""
-    return {"drawn": described(world), "horizon": 2} | measured
+    return {"drawn": drawn_of(world), "horizon": 2} | measured
 
 
 def landscape(there, asked):
@@ -30,14 +30,14 @@ def landscape(there, asked):
 
 
 def test_what_is_drawn_is_the_world():
-    assert world_of(described(WORLD), TOOLS, "map") == WORLD
+    assert world_of(drawn_of(WORLD), TOOLS, "map") == WORLD
     bare = WORLD.with_tool("none").with_object("ball")
-    again = world_of(described(bare), TOOLS, "map")
+    again = world_of(drawn_of(bare), TOOLS, "map")
     assert (again.object_kind, again.goal, again.tools) == ("ball", bare.goal, ())
 
 
 def test_things_in_whatever_order_are_the_same_world():
-    said = described(WORLD)
+    said = drawn_of(WORLD)
     for name in ("tools", "objects"):
         said[name] = said[name][::-1]
     assert world_of(said, TOOLS, "map") == WORLD
@@ -45,7 +45,7 @@ def test_things_in_whatever_order_are_the_same_world():
 
 def test_map_text_is_read_and_written_by_the_library(there):
     read = there.ask("read", scene={"map": WORLD.text()})
-    assert read["drawn"] == described(WORLD)
+    assert read["drawn"] == drawn_of(WORLD)
     assert hb.World.parse(read["text"], "map") == WORLD
     assert there.ask("read", scene={"drawn": read["drawn"]})["text"] == read["text"]
 

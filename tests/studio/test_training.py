@@ -14,8 +14,8 @@ from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
 from habilis.learning.train import train
-from habilis.studio import trained
-from habilis.studio.drawn import world_of
+from habilis.studio import run_steps
+from habilis.studio.drawn_worlds import world_of
 from habilis.studio.limits import TRAINING
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement
@@ -90,7 +90,7 @@ def test_a_view_has_in_hand_what_can_be_put_down(tmp_path):
     values = learned(run, mdp, 0)[1]
     put_down = int(mdp.next_state[mdp.start, mdp.actions.index("drop")])
     assert values[put_down] != values[mdp.start]
-    view = trained.view(str(tmp_path / "run"), 0)
+    view = run_steps.view(str(tmp_path / "run"), 0)
     assert view["values"][0][0] == pytest.approx(float(values[mdp.start]), rel=1e-4)
 
 
@@ -259,7 +259,9 @@ def trainers_of(process: int) -> list[int]:
         with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
             for child in map(int, children.read_text().split()):
                 words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
-                found += [child] * (b"habilis.studio.trainer" in words) + trainers_of(child)
+                found += [child] * (b"habilis.studio.training_process" in words) + trainers_of(
+                    child
+                )
     return found
 
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from habilis.analysis.averages import average_empowerment
 from habilis.analysis.pairs import pairs
-from habilis.studio.drawn import described
+from habilis.studio.drawn_worlds import drawn_of
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Reading
 from habilis.worlds.world import Cell, World, load_world
@@ -444,5 +444,5 @@ def test_two_pickers_read_otherwise_are_two_tools_to_compare():
 def test_the_page_refuses_what_it_does_not_draw_in_one_line():
     world = World.parse("P = picker pushes\nAP.CG")
     with pytest.raises(ValueError, match="'pushes'") as refusal:
-        described(world)
+        drawn_of(world)
     assert "\n" not in str(refusal.value)

@@ -9,7 +9,7 @@ from typing import Any
 from habilis.extras import MissingExtraError
 from habilis.studio.messages import one_line
 from habilis.studio.pool import Pool
-from habilis.studio.training import Training
+from habilis.studio.training_jobs import Training
 
 Send = Callable[[str], Awaitable[None]]
 

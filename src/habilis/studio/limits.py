@@ -1,4 +1,6 @@
-"""Limits of the studio, which has to respond quickly. The page gets them in the greeting."""
+"""Limits of the studio, which has to respond quickly. The page has them from the greeting only."""
+
+from typing import Any
 
 SIDES = (4, 30)
 """The smallest and largest number of rows, and of columns, of a map."""
@@ -29,3 +31,16 @@ TRAINING = {
 """Of a training; `at_once` may train in parallel while `waiting` more are queued."""
 LISTED = 200
 """Kept trainings that a page lists, newest first."""
+
+
+def greeting() -> dict[str, Any]:
+    """The limits that a page has to know, as in the server's greeting."""
+    return {
+        "side": list(SIDES),
+        "things": THINGS,
+        "horizon": HORIZON,
+        "slip": SLIP,
+        "tool_slip": TOOL_SLIP,
+        "message": MESSAGE,
+        "training": TRAINING,
+    }

@@ -84,8 +84,9 @@ from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 from habilis.mdp import HELD, LAID
+from habilis.studio import training_settings
 from habilis.studio.fields import cell, checked, number, shown, text
-from habilis.studio.limits import HORIZON, MESSAGE, THINGS, TRAINING
+from habilis.studio.limits import MESSAGE, THINGS
 from habilis.studio.scenes import Scene
 from habilis.worlds.rules import ACTIONS
 from habilis.worlds.world import Cell
@@ -109,10 +110,6 @@ _FIELDS = {  # of each request: required and optional fields
     "curve": (("name",), ()),
     "run": (("index",), ("name", "placement")),
 }
-_SETTINGS = (
-    *("intrinsic", "horizon", "beta", "runs", "seed", "algorithm", "episodes"),
-    *("beta_schedule", "beta_steps", "earned", "episode_limit", "learning_rate", "discount"),
-)
 
 
 @dataclass(frozen=True)
@@ -226,22 +223,11 @@ def _placement(value: Any) -> dict[str, Cell | int]:
     }
 
 
-def _settings(value: Any) -> dict[str, Any]:
-    """Settings of a training; the library checks whether they make sense."""
-    given = checked("settings", value, (), _SETTINGS)
-    for name in ("runs", "episodes"):
-        if name in given:
-            number(name, given[name], 1, TRAINING[name], whole=True)
-    if "horizon" in given:
-        number("horizon", given["horizon"], 0, HORIZON, whole=True)
-    return given
-
-
 _READERS = {
     "agent": lambda value: cell("agent", value),
     "placement": _placement,
     "action": _action,
-    "settings": _settings,
+    "settings": training_settings.checked_settings,
     "index": lambda value: number("index", value, 0, _LARGEST, whole=True),
     "name": lambda value: text("name", value),
 }

@@ -1,22 +1,34 @@
-"""A pool of worker processes, each of which can be ended at any moment."""
+"""A pool of worker processes, each of which can be ended at any moment.
+
+python -m habilis.studio.pool MODULE BACKGROUND
+
+is such a process. It runs the `STEPS` of a module, one after the other, until its standard input
+ends. It prints a line when it is ready. A request is its length in four bytes and a pickled (name,
+arguments); an answer is a line of JSON, `{"answer": ...}` or `{"error": one line}`.
+"""
 
 import asyncio
 import contextlib
 import json
 import os
 import pickle
+import signal
 import sys
+import warnings
 from asyncio.subprocess import PIPE, Process
 from collections import deque
-from collections.abc import Coroutine
-from typing import Any, TypeVar
+from collections.abc import Callable, Coroutine, Mapping
+from importlib import import_module
+from typing import IO, Any, TypeVar
 
 from habilis.studio.limits import SECONDS
-from habilis.studio.worker import LENGTH
 
+_LENGTH = 4  # bytes
 _LONGEST_ANSWER = 64 * 2**20
 _NICE = 10
 Result = TypeVar("Result")
+DIED = "the computation ended unexpectedly; make the world or the horizon smaller"
+NOT_ENOUGH = "not enough memory; make the world or the horizon smaller"
 TOO_LONG = f"the computation takes more than {SECONDS:g} s; make the world or the horizon smaller"
 
 
@@ -85,7 +97,7 @@ class Pool:
             except (TimeoutError, OSError, ValueError, EOFError) as error:
                 exchange.cancel()
                 self._later(self._replace(worker, held.pop_all()))
-                raise StepError(TOO_LONG if isinstance(error, TimeoutError) else _DIED) from None
+                raise StepError(TOO_LONG if isinstance(error, TimeoutError) else DIED) from None
             self._idle.append(worker)
         if "error" in answer:
             raise StepError(answer["error"])
@@ -160,7 +172,7 @@ class Pool:
         alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
         worker = await asyncio.create_subprocess_exec(
             sys.executable,
-            *("-m", "habilis.studio.worker", self.module, str(int(self.background))),
+            *("-m", "habilis.studio.pool", self.module, str(int(self.background))),
             stdin=PIPE,
             stdout=PIPE,
             limit=_LONGEST_ANSWER,
@@ -173,7 +185,7 @@ class Pool:
         assert worker.stdout is not None
         if not await worker.stdout.readline():
             await self._end(worker)
-            raise StepError(_DIED)
+            raise StepError(DIED)
         return worker
 
     async def _end(self, worker: Process) -> None:
@@ -183,17 +195,48 @@ class Pool:
         await worker.wait()
 
 
-_DIED = "the computation ended unexpectedly; make the world or the horizon smaller"
-
-
 async def _exchange(worker: Process, name: str, arguments: dict[str, Any]) -> dict[str, Any]:
     """Sends a request, and waits for its answer."""
     assert worker.stdin is not None
     assert worker.stdout is not None
     request = pickle.dumps((name, arguments))
-    worker.stdin.write(len(request).to_bytes(LENGTH) + request)
+    worker.stdin.write(len(request).to_bytes(_LENGTH) + request)
     await worker.stdin.drain()
     line = await worker.stdout.readline()
     if not line:
         raise EOFError
     return json.loads(line)
+
+
+def work(steps: Mapping[str, Callable[..., Any]], requests: IO[bytes], answers: IO[str]) -> None:
+    """Answers requests until there are no more."""
+    while length := requests.read(_LENGTH):
+        print(_answer(steps, requests.read(int.from_bytes(length))), file=answers, flush=True)
+
+
+def _answer(steps: Mapping[str, Callable[..., Any]], request: bytes) -> str:
+    try:
+        name, arguments = pickle.loads(request)
+        return json.dumps({"answer": steps[name](**arguments)}, allow_nan=False)
+    except MemoryError:
+        return json.dumps({"error": NOT_ENOUGH})
+    except Exception as error:  # of any kind: it is reported to the caller, and the worker goes on
+        return json.dumps({"error": str(error) or type(error).__name__})
+
+
+def main(module: str, background: str) -> None:
+    """Runs a worker process."""
+    # Ctrl-C reaches all processes of a terminal, but only the parent decides when to end.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    warnings.simplefilter("ignore")  # the answers contain the uncertainty
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a custom tool may print
+    steps = import_module(module)
+    steps.prepare(bool(int(background)))
+    print(json.dumps("ready"), file=answers, flush=True)
+    with contextlib.suppress(BrokenPipeError):
+        work(steps.STEPS, sys.stdin.buffer, answers)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -10,7 +10,7 @@ from jaxtyping import Int
 
 from habilis.analysis.averages import held
 from habilis.mdp import HELD, LAID, TabularMDP
-from habilis.studio.drawn import world_of
+from habilis.studio.drawn_worlds import world_of
 from habilis.studio.fields import cell, checked, number, one_of, text
 from habilis.studio.limits import HORIZON, SIDES, SLIP
 from habilis.worlds.map_text import header, map_lines

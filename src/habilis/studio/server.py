@@ -21,24 +21,15 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 import habilis
 from habilis.extras import check_installed, import_from
 from habilis.files import check_folder
-from habilis.studio import answering, learning
-from habilis.studio.answering import Pools
+from habilis.studio import limits, scene_requests, training_requests
 from habilis.studio.clients import Client
-from habilis.studio.drawn import described
-from habilis.studio.limits import (
-    CLIENTS,
-    HORIZON,
-    MESSAGE,
-    SIDES,
-    SLIP,
-    THINGS,
-    TOOL_SLIP,
-    TRAINING,
-)
+from habilis.studio.drawn_worlds import drawn_of
+from habilis.studio.limits import CLIENTS, MESSAGE
 from habilis.studio.messages import MessageError, Request, read
-from habilis.studio.offered import offered
+from habilis.studio.scene_requests import Pools
 from habilis.studio.security import Access, Guard
-from habilis.studio.training import Trainings
+from habilis.studio.training_jobs import Trainings
+from habilis.studio.training_settings import offered
 from habilis.worlds.own_tools import tool_named
 from habilis.worlds.pictures.shapes import SHAPES
 from habilis.worlds.rules import ACTIONS, DROP_NAME
@@ -84,19 +75,11 @@ class Studio:
         shapes = SHAPES | {name: drawing_of(tool_named(name)) for name in self.tools}
         return {
             "version": habilis.__version__,
-            "worlds": {name: described(load_world(name)) for name in world_names()},
+            "worlds": {name: drawn_of(load_world(name)) for name in world_names()},
             "tools": [*self.all_tools, NO_TOOL],
             "objects": list(OBJECTS),
             "actions": [*ACTIONS, DROP_NAME],
-            "limits": {
-                "side": list(SIDES),
-                "things": THINGS,
-                "horizon": HORIZON,
-                "slip": SLIP,
-                "tool_slip": TOOL_SLIP,
-                "message": MESSAGE,
-                "training": TRAINING,
-            },
+            "limits": limits.greeting(),
             "training": offered(),
             "shapes": {
                 name: [[shape.path, shape.fill] for shape in drawing]
@@ -116,17 +99,17 @@ class Studio:
             await client.tell(request.id, error="a training is in progress; stop it first")
             return
         if request.do == "measure":
-            work = answering.measure(pools, self.all_tools, client, request)
+            work = scene_requests.measure(pools, self.all_tools, client, request)
         elif request.do == "train":
-            work = learning.train(pools, trainings, client, request)
+            work = training_requests.train(pools, trainings, client, request)
         elif request.do == "trainings":
-            work = learning.listed(pools, trainings, client, request)
+            work = training_requests.listed(pools, trainings, client, request)
         elif request.do == "curve":
-            work = learning.curve(pools, trainings, client, request)
+            work = training_requests.curve(pools, trainings, client, request)
         elif request.do == "run":
-            work = learning.run(pools, trainings, self.run, client, request)
+            work = training_requests.run(pools, trainings, self.run, client, request)
         else:
-            work = answering.ANSWERS[request.do](pools, client, request)
+            work = scene_requests.ANSWERS[request.do](pools, client, request)
         await client.ask(request.do, request.id, work)
 
 
@@ -215,7 +198,9 @@ def opened(
         tool_named(name)  # raises if it is not a valid tool
         if name in (*TOOLS, *tools[:place]):
             raise ValueError(f"tool {name!r} is given twice or built in; leave it out")
-    shown = None if run is None else import_from("habilis.studio.trained", "learn").described(run)
+    shown = (
+        None if run is None else import_from("habilis.studio.run_steps", "learn").summary_of(run)
+    )
     if kept is not None:
         check_installed("learn")
         check_folder(kept)

@@ -8,8 +8,8 @@ from typing import Any
 
 from habilis.processors import processors
 from habilis.studio.clients import Client
-from habilis.studio.drawn import described
-from habilis.studio.estimating import Estimate, in_stretches, verdicts
+from habilis.studio.drawn_worlds import drawn_of
+from habilis.studio.estimates import Estimate, in_stretches, verdicts
 from habilis.studio.limits import DRAWN, FEWEST
 from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import Pool, StepError
@@ -46,11 +46,11 @@ class Pools:
     @classmethod
     def made(cls) -> "Pools":
         at_once = min(processors(), _AT_ONCE)
-        steps = "habilis.studio.work"
+        steps = "habilis.studio.scene_steps"
         return cls(
             Pool(steps, at_once, _QUICK_PATIENCE),
             Pool(steps, at_once, _SLOW_PATIENCE, background=True),
-            Pool("habilis.studio.trained", 1, _SLOW_PATIENCE, background=True),
+            Pool("habilis.studio.run_steps", 1, _SLOW_PATIENCE, background=True),
         )
 
     def start(self) -> None:
@@ -151,7 +151,7 @@ async def _average(
 
 async def read(pools: Pools, client: Client, request: Request) -> None:
     world = _scene(request).world
-    await client.tell(request.id, drawn=described(world), text=world.text())
+    await client.tell(request.id, drawn=drawn_of(world), text=world.text())
 
 
 async def futures(pools: Pools, client: Client, request: Request) -> None:

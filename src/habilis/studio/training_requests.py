@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from habilis.extras import check_installed
-from habilis.studio.answering import Pools
 from habilis.studio.clients import Client
 from habilis.studio.limits import LISTED
 from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import StepError
-from habilis.studio.training import Training, Trainings
+from habilis.studio.scene_requests import Pools
+from habilis.studio.training_jobs import Training, Trainings
 
 _INTERVAL = 1.0  # seconds between two updates of the curve
 

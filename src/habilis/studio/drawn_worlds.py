@@ -13,7 +13,7 @@ from habilis.worlds.world import World
 _GROUND = f"; {FLOOR} floor and {WALL} walls"
 
 
-def described(world: World) -> dict[str, Any]:
+def drawn_of(world: World) -> dict[str, Any]:
     """A world in the page's format.
 
     Raises:
@@ -51,7 +51,7 @@ def world_of(value: Any, kinds: Collection[str], name: str) -> World:
     """A world from the page's format, equal to the one from its map's text.
 
     Args:
-        value: as returned by `described`.
+        value: as returned by `drawn_of`.
         kinds: the known tools.
         name: the world's name in errors.
 

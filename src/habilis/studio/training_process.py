@@ -1,6 +1,6 @@
 """A process that trains one configuration in a folder, and reports its progress.
 
-python -m habilis.studio.trainer FOLDER
+python -m habilis.studio.training_process FOLDER
 
 Standard input has one line, the settings as JSON. Standard output has a line for every chunk of
 training, and one for its end: `{"ended": true}`, `{"stopped": true}` or `{"error": one line}`.

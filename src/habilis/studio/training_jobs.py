@@ -16,7 +16,7 @@ from habilis.learning.config import Config
 from habilis.studio.fields import shown
 from habilis.studio.limits import TRAINING
 from habilis.studio.scenes import Scene
-from habilis.worlds.rules import Grid
+from habilis.studio.training_settings import check_trainable
 
 _NICE = 10
 _GRACE = 15  # seconds for a stopped trainer to write its last checkpoint
@@ -137,21 +137,6 @@ class Trainings:
                 drawn.unlink(missing_ok=True)
 
 
-def check_trainable(scene: Scene) -> None:
-    """Refuses worlds that would take too long to train in.
-
-    Raises:
-        ValueError: the world has too many placements.
-    """
-    free, world = len(Grid.of(scene.world).free), scene.world
-    placements = free ** (1 + len(world.objects)) * (1 + 4 * len(world.tools))
-    if placements > TRAINING["placements"]:
-        raise ValueError(
-            f"{world.name}: has up to {placements:,} placements; train on at most "
-            f"{TRAINING['placements']:,}: make the map smaller"
-        )
-
-
 def _began(folder: Path) -> float:
     """The time at which a run was started in a folder; 0 if there is none."""
     for name in _OF_A_RUN:
@@ -174,7 +159,7 @@ def _writing(folder: Path) -> Iterator[None]:
 async def _started(folder: Path, config: Config) -> Process:
     process = await asyncio.create_subprocess_exec(
         sys.executable,
-        *("-m", "habilis.studio.trainer", str(folder)),
+        *("-m", "habilis.studio.training_process", str(folder)),
         stdin=PIPE,
         stdout=PIPE,
     )

@@ -17,8 +17,8 @@ from habilis.learning.folder import (
 from habilis.learning.replay import best_return_from, learned, play, table_of
 from habilis.learning.runs import Run
 from habilis.mdp import HELD, LAID
-from habilis.studio import drawn
-from habilis.studio.work import Answer, placed, state_of
+from habilis.studio.drawn_worlds import drawn_of
+from habilis.studio.scene_steps import Answer, placed, state_of
 from habilis.worlds.placements import Placement
 from habilis.worlds.rules import NONE
 
@@ -26,13 +26,13 @@ _POINTS = 150  # of a curve, enough for a page
 _DIGITS = 5
 
 
-def described(folder: Path) -> Answer:
+def summary_of(folder: Path) -> Answer:
     """A run's settings and world."""
     run = load_latest(folder)
     return {
         "name": folder.resolve().name,
         "runs": run.config.runs,
-        "drawn": drawn.described(run.world),
+        "drawn": drawn_of(run.world),
         "config": run.config.as_dict(),
     }
 
@@ -53,7 +53,7 @@ def kept(folder: str) -> Answer:
         outcome["error"] = "ended before its first checkpoint: there is nothing to watch"
     return outcome | {
         "runs": config.runs,
-        "drawn": drawn.described(world),
+        "drawn": drawn_of(world),
         "config": config.as_dict(),
         "ended": ended,
     }
@@ -97,7 +97,7 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
         grids[0][row][column] = rounded(policy[state])
         grids[1][row][column] = rounded(values[state])
     return {
-        "drawn": drawn.described(run.world),
+        "drawn": drawn_of(run.world),
         "policy": {
             "episode": [rounded(policy[state]) for state in episode.states],
             "cells": grids[0],
