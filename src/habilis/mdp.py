@@ -69,6 +69,9 @@ class TabularMDP:
         shape: (rows, columns) of the world whose cells the factors name; `None` without one.
         actions: the names of the actions.
         origin: the environment that the table was made of, if any.
+        entry_reward: float32[S], the reward of entering each state, for the outcomes of stochastic
+            actions. Where `reward` is not its mean over next states, and without it, every outcome
+            earns `reward`.
     """
 
     transitions: "Int32[np.ndarray, 'S A'] | csr_array"
@@ -80,6 +83,7 @@ class TabularMDP:
     shape: tuple[int, int] | None = None
     actions: tuple[str, ...] = ()
     origin: "Origin | None" = field(default=None, repr=False)
+    entry_reward: Float32[np.ndarray, "S"] | None = None
 
     @classmethod
     def deterministic(
@@ -369,7 +373,7 @@ class TabularMDP:
             return self.terminal
         return self.terminal | ~self.available.any(axis=1)
 
-    def transition(self, action: int) -> "csr_array":
+    def transition(self, action: int | np.integer) -> "csr_array":
         """The transition matrix of an action.
 
         Args:

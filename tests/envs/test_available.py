@@ -243,7 +243,7 @@ def test_environment_and_trainer_make_the_same_steps(seed: int):
     for transition, cut in zip(passed.transition[:, 0], passed.truncated[:, 0], strict=True):
         assert env.state == int(task.state_of(transition))
         _, reward, terminated, truncated, _ = env.step(int(task.action_of(transition)))
-        assert reward == float(task.reward[transition])
+        assert reward == float(task.transitions.reward[transition])
         assert (terminated, truncated) == (bool(task.terminated(transition)), bool(cut))
         if terminated or truncated:
             env.reset()

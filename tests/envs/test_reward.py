@@ -85,8 +85,8 @@ def test_rewards_are_the_trainers_whatever_the_settings(settings):
         transition = jnp.array(state * 8 + action)
         wanted = intrinsic.reward(
             numbers,
-            task.reward[transition],
-            bits[task.next_state[transition]],
+            task.transitions.reward[transition],
+            bits[task.transitions.next_state[transition]],
             bits[state],
             task.terminated(transition),
             jnp.float32(taken),

@@ -55,9 +55,8 @@ def compiled(env: FunctionalEnv) -> str:
     params = env.default_params
 
     def step(states, drawn):
-        _, after, *stepped, info = jax.vmap(env.step, (0, 0, 0, None))(
-            *drawn[:1], states, drawn[1], params
-        )
+        key, action = drawn
+        _, after, *stepped, info = jax.vmap(env.step, (0, 0, 0, None))(key, states, action, params)
         return after, (info["state"], *stepped)
 
     _, states = jax.vmap(env.reset, (0, None))(keys[0], params)

@@ -1,5 +1,7 @@
 """A table as a Gymnasium environment."""
 
+import pickle
+
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -57,6 +59,16 @@ def test_a_long_episode_is_cut_off_and_the_next_is_as_long(mdp):
         assert [env.step(0)[3] for _ in range(3)] == [False, False, True]
 
 
-def test_a_stochastic_table_is_refused_with_what_to_do(mdp):
-    with pytest.raises(ValueError, match="the table is stochastic; give a deterministic one"):
-        TableEnv(mdp.slippery(0.1))
+def test_an_environment_of_a_stochastic_table_is_a_gymnasium_environment(mdp):
+    check_env(TableEnv(mdp.slippery(0.1)), skip_render_check=True)
+
+
+def test_the_same_seed_draws_the_same_outcomes_and_copies_go_on_alike(mdp):
+    one, same = TableEnv(mdp.slippery(0.5)), TableEnv(mdp.slippery(0.5))
+    for env in (one, same):
+        env.reset(seed=1)
+    for count in range(60):
+        if count == 30:
+            same = pickle.loads(pickle.dumps(same))
+        action = count % mdp.action_count
+        assert one.step(action)[1:] == same.step(action)[1:]

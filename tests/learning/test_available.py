@@ -18,7 +18,7 @@ from habilis.learning.ground import success_rate
 from habilis.learning.rollout import Place, rollout, sampled
 from habilis.learning.task import make_task, roomy
 from habilis.mdp import TabularMDP
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 from habilis.worlds.plans import best_returns, distances, solve
 
 # Four cells in a row. Action 0 goes right, 1 left, 2 straight to the end for a reward that would
@@ -212,14 +212,15 @@ def test_outcomes_of_an_unavailable_action_lead_nowhere_else():
     P = np.zeros((3, 2, 3))
     P[0, 0] = 0.25, 0.25, 0.5
     P[1, 1, 0] = 1
-    chance = Chance.in_any(TabularMDP.stochastic(P, [[3, 0], [0, 7], [0, 0]]))
-    assert chance.next_state[1].tolist() == [0, 0, 0]
-    assert chance.next_state[2].tolist() == [1, 1, 1]
-    assert chance.next_state[[4, 5]].tolist() == [[2, 2, 2]] * 2
-    assert chance.shares.sum(axis=1).tolist() == [1] * 6
-    assert chance.reward[0].tolist() == [3, 3, 3]
-    assert chance.reward[3].tolist() == [7, 7, 7]
-    assert not chance.reward[[1, 2, 4, 5]].any()
+    transitions = Transitions.of(TabularMDP.stochastic(P, [[3, 0], [0, 7], [0, 0]]))
+    next_state, reward = (each.reshape(-1, 3) for each in transitions[:2])
+    assert next_state[1].tolist() == [0, 0, 0]
+    assert next_state[2].tolist() == [1, 1, 1]
+    assert next_state[[4, 5]].tolist() == [[2, 2, 2]] * 2
+    assert transitions.probabilities.sum(axis=1).tolist() == [1] * 6
+    assert reward[0].tolist() == [3, 3, 3]
+    assert reward[3].tolist() == [7, 7, 7]
+    assert not reward[[1, 2, 4, 5]].any()
 
 
 def test_room_for_more_states_changes_nothing():

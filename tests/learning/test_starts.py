@@ -210,7 +210,7 @@ def test_tables_with_other_starts_have_the_same_shape():
         Job.of(0, LEARN.changed(world="room.txt", starts=5, starts_seed=k)) for k in range(3)
     ]
     assert len({job.mdp.states for job in several}) > 1
-    assert len({job.task[0].next_state.shape for job in several}) == 1
+    assert len({job.task[0].transitions.next_state.shape for job in several}) == 1
 
 
 def test_what_learns_a_value_of_each_state_has_no_more_of_them():

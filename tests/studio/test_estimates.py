@@ -7,9 +7,9 @@ import numpy as np
 import habilis as hb
 from habilis.analysis.averages import compare, compared_states
 from habilis.studio import scene_steps
-from habilis.studio.chance import drawn
 from habilis.studio.estimates import Estimate, verdicts
 from habilis.studio.limits import DRAWN
+from habilis.studio.random_placements import random_placements
 from habilis.studio.scenes import Scene
 
 WORLD = hb.World.parse("A#P.\n.C..\n...G\n####", "map")
@@ -39,7 +39,7 @@ def test_that_a_tool_can_be_put_down_changes_no_average():
 def test_placements_are_drawn_as_those_that_averages_go_over():
     for tool in ("picker", "none"):
         mdp = hb.tabulate(WORLD.with_tool(tool))
-        states = [mdp.find(**place) for place in drawn(WORLD.with_tool(tool), 20_000)]
+        states = [mdp.find(**place) for place in random_placements(WORLD.with_tool(tool), 20_000)]
         counts = np.bincount(states, minlength=mdp.states)
         wanted = compared_states(mdp)
         assert np.array_equal(counts > 0, wanted)

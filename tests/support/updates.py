@@ -175,7 +175,7 @@ def advantages_of(
     experience = Experience(
         state=task.state_of(transition),
         action=task.action_of(transition),
-        reached=task.next_state[transition],
+        reached=task.transitions.next_state[transition],
         reward=jnp.asarray(rollout.rewards * config.algorithm.reward_scale, jnp.float32),
         terminated=jnp.asarray(rollout.terminated | terminal),
         truncated=jnp.asarray(rollout.truncated & ~terminal),

@@ -122,7 +122,9 @@ def test_a_tool_passes(tool):
             id="alone",
         ),
         pytest.param(
-            broken(carry=at_random), "let nothing but its arguments decide: no chance", id="chance"
+            broken(carry=at_random),
+            "let nothing but its arguments decide: no random numbers",
+            id="random",
         ),
         pytest.param(
             Remembers,

@@ -151,7 +151,7 @@ def certain(world: World) -> World:
 
 
 def fails(world: World, slip: float) -> bool:
-    """Whether anything is left to chance."""
+    """Whether some outcomes are random."""
     return bool(slip or world.tool_slip)
 
 

@@ -49,9 +49,9 @@ def edits(address: str, horizon: int) -> list[float] | None:
         page.locator("#horizon").fill(str(horizon))
         page.wait_for_selector("#landscape-board[data-pending=false]")
         page.evaluate(_WATCH)
-        chance = random.Random(0)
+        clicks = random.Random(0)
         for count in range(1, EDITS + 1):
-            row, column = chance.randrange(10), chance.randrange(7, 10)  # nothing stands there
+            row, column = clicks.randrange(10), clicks.randrange(7, 10)  # nothing stands there
             page.locator(f"#world-board-{row}-{column}").click(force=True)
             page.wait_for_function(_SEEN, arg=count)
         found = page.evaluate("window.milliseconds")

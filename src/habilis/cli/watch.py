@@ -45,8 +45,8 @@ def run(args: Args) -> int:
     run = folder.load_latest(args.folder)
     episode = replay.play(run, args.run, seed=args.seed)
     mdp = replay.table_of(run)
-    by_chance = mdp.is_stochastic
-    shares = replay.success(run, args.run) if run.config.starts or by_chance else None
+    stochastic = mdp.is_stochastic
+    shares = replay.success(run, args.run) if run.config.starts or stochastic else None
     frames = [placement(run.world, mdp, state) for state in episode.states]
     films = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
     for path, write in films:
@@ -67,7 +67,7 @@ def run(args: Args) -> int:
     else:
         screen.print(colored_text(frames[-1]))
     print(", ".join(mdp.actions[action] for action in episode.actions))
-    failed = "the goal is not reached" if by_chance else "the policy goes round in circles"
+    failed = "the goal is not reached" if stochastic else "the policy goes round in circles"
     end = "the goal is reached" if episode.finished else failed
     print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
     so_far = "" if ended else ", as the last checkpoint has it: training has not ended"

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from habilis.empowerment.sensors import Sensor
 from habilis.envs.observations import Labels, Marks, cells, grid, one_hot, ranked
-from habilis.envs.params import Empowerment, Outcomes, Params, State
+from habilis.envs.params import Empowerment, Params, State
 from habilis.envs.spaces import classes
 from habilis.envs.steps import (
     Alone,
@@ -34,7 +34,7 @@ from habilis.envs.world import as_world
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
 from habilis.rewards.shaping import Bonus
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import World
@@ -43,7 +43,7 @@ KINDS = ("factors", "onehot", "grid")
 
 
 class FunctionalEnv:
-    """A world, or a deterministic table, as functions without a state of their own.
+    """A world, or any table, as functions without a state of their own.
 
     Rewards, ends and time limits are those of `WorldEnv` and of `train`: an episode that ends by
     the world's rules in the last step it has is terminated, not truncated. The step that ends an
@@ -58,8 +58,8 @@ class FunctionalEnv:
     leave the state as it is, for a reward of 0, and cost a step. `jax.random.categorical(key,
     jnp.log(mask))` draws among the available ones, as slip does. In a state without actions an
     episode terminates. The key of a step matters only
-    where there is slip, an agent's or a tool's, that of a reset never. All methods work inside
-    `jit`, `vmap` and `scan`; `params` may be left out: they are `default_params` then.
+    where outcomes are random, by slip or by the table, that of a reset never. All methods work
+    inside `jit`, `vmap` and `scan`; `params` may be left out: they are `default_params` then.
 
     Example:
         >>> import jax
@@ -85,7 +85,7 @@ class FunctionalEnv:
         """
         Args:
             world: a world, a built-in one's name, the path of a map, or the text of one; or a
-                deterministic table.
+                table.
             tool: takes the place of the map's own, by its name or itself; `None` keeps that.
             max_steps: the length of an episode, at most.
             observation: "factors", int32, the cells of agent, tool and object, each
@@ -95,8 +95,8 @@ class FunctionalEnv:
             slip: the probability that an action drawn uniformly takes the place of the chosen one.
 
         Raises:
-            ValueError: no such world, tool or observation, the table is stochastic, its start has
-                no action, or a number is out of its range.
+            ValueError: no such world, tool or observation, the table's start has no action, or a
+                number is out of its range.
         """
         if isinstance(world, TabularMDP):
             if tool is not None:
@@ -106,15 +106,11 @@ class FunctionalEnv:
             place = as_world(world)
             place = place if tool is None else place.with_tool(tool)
             mdp, self._name = tabulate(place), place.name
-        chance = None if place is None else Chance.of(mdp)
-        check_episode(mdp, max_steps, slip, chance)
+        check_episode(mdp, max_steps, slip)
         shown = _shown(observation, mdp, place)
         self._mdp, self._slip, self._shown = mdp, slip, shown
-        # Without chance the only outcomes; where an action is not available, the state itself.
-        leading = Chance.in_any(mdp) if chance is None else chance
         self._params = Params(
-            next_state=jnp.asarray(leading.next_state[:, 0].reshape(-1, mdp.action_count)),
-            reward=jnp.asarray(mdp.reward),
+            transitions=Transitions.of(mdp).in_jax(),
             terminal=jnp.asarray(mdp.ends),
             start=mdp.start,
             max_steps_in_episode=max_steps,
@@ -122,13 +118,6 @@ class FunctionalEnv:
             seen=jnp.asarray(shown.at if isinstance(shown, Marks) else shown.of, jnp.int32),
             background=jnp.asarray(shown.still) if isinstance(shown, Marks) else None,
             slip=slip or None,
-            chance=None
-            if chance is None
-            else Outcomes(
-                jnp.asarray(chance.next_state),
-                jnp.asarray(chance.below, jnp.float32),
-                jnp.asarray(chance.reward, jnp.float32),
-            ),
             available=None if mdp.always_available else jnp.asarray(mdp.available),
         )
 
@@ -206,7 +195,7 @@ class FunctionalEnv:
         """A step; where an episode has ended with it, the next one begins.
 
         Args:
-            key: for slip; without, it has no part in it.
+            key: for slip and random outcomes.
             state: of this environment.
             action: int32.
             params: as in `reset`.

@@ -7,13 +7,13 @@ from typing import Any
 import jax
 from jaxtyping import Array, Bool, Float, Int32, UInt8
 
+from habilis.transitions import Transitions
+
 _STATE = ("index", "time")
 _EMPOWERMENT = ("bits", "weights")
-_OUTCOMES = ("next_state", "below", "reward")
 _PARAMS = (
-    *("next_state", "reward", "terminal", "start", "max_steps_in_episode"),
-    *("flags", "seen", "background", "slip", "empowerment", "chance"),
-    "available",
+    *("transitions", "terminal", "start", "max_steps_in_episode"),
+    *("flags", "seen", "background", "slip", "empowerment", "available"),
 )
 
 
@@ -56,22 +56,6 @@ class Empowerment:
     weights: dict[str, Any]
 
 
-@partial(jax.tree_util.register_dataclass, data_fields=_OUTCOMES, meta_fields=())
-@dataclass(frozen=True)
-class Outcomes:
-    """What may come of each transition, `state * actions + action`; see `chance.Chance`.
-
-    Attributes:
-        next_state: int32[S * A, K].
-        below: float32[S * A, K - 1], where in [0, 1) an outcome's share ends.
-        reward: float32[S * A, K].
-    """
-
-    next_state: Int32[Array, "transitions K"]
-    below: Float[Array, "transitions K-1"]
-    reward: Float[Array, "transitions K"]
-
-
 @partial(jax.tree_util.register_dataclass, data_fields=_PARAMS, meta_fields=())
 @dataclass(frozen=True)
 class Params:
@@ -81,8 +65,7 @@ class Params:
     `vmap` goes over any of them.
 
     Attributes:
-        next_state: int32[S, A], where actions lead.
-        reward: float32[S, A].
+        transitions: where actions lead, with which probabilities and rewards.
         terminal: bool[S], the states whose entry ends an episode: those without actions too.
         start: the state in which episodes begin.
         max_steps_in_episode: the length of an episode, at most.
@@ -93,14 +76,11 @@ class Params:
         slip: the probability that an action drawn uniformly takes the place of the chosen one;
             `None`: never, and no random number is drawn.
         empowerment: what is added to the reward; `None`: nothing.
-        chance: what may come of actions, where tools may fail; `next_state` and `reward` are not
-            looked at then, and have one of the outcomes and the mean. `None`: never.
         available: bool[S, A], the actions that are available in each state; others lead back to
             the state, for a reward of 0. `None`: all are everywhere.
     """
 
-    next_state: Int32[Array, "S A"]
-    reward: Float[Array, "S A"]
+    transitions: Transitions
     terminal: Bool[Array, "S"]
     start: Any
     max_steps_in_episode: Any
@@ -109,8 +89,12 @@ class Params:
     background: UInt8[Array, "*shape"] | None = None
     slip: Any = None
     empowerment: Empowerment | None = None
-    chance: Outcomes | None = None
     available: Bool[Array, "S A"] | None = None
+
+    @property
+    def actions(self) -> int:
+        """A, how many actions there are."""
+        return self.transitions.cumulative.shape[-2] // self.terminal.shape[-1]
 
     def replace(self, **changes: Any) -> "Params":
         """The same but for some attributes.

@@ -45,10 +45,10 @@ def step(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params
 @jax.jit
 def step_alone(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params) -> Alone:
     """A step; an episode that has ended with it stays where it is."""
-    actions = params.next_state.shape[-1]
-    of_tool = key
-    if params.chance is not None:
-        key, of_tool = jax.random.split(key)
+    actions, draw = params.actions, None
+    if params.transitions.outcomes > 1:
+        key, of_outcome = jax.random.split(key)
+        draw = jax.random.uniform(of_outcome)
     if params.slip is not None:
         slips, draws = jax.random.split(key)
         drawn = _any_action(draws, state.index, actions, params.available)
@@ -56,14 +56,10 @@ def step_alone(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: 
         if params.available is not None:  # an action that is not available stays what it is
             slipped &= params.available[state.index, action]
         action = jnp.where(slipped, drawn, action)
-    transition = state.index * actions + jnp.asarray(action, jnp.int32)
-    if params.chance is None:
-        index = params.next_state.reshape(-1)[transition]
-        reward = params.reward.reshape(-1)[transition]
-    else:
-        draw = jax.random.uniform(of_tool)
-        outcome = transition, (params.chance.below[transition] <= draw).sum()
-        index, reward = params.chance.next_state[outcome], params.chance.reward[outcome]
+    choice = state.index * actions + jnp.asarray(action, jnp.int32)
+    transition = params.transitions.drawn(choice, draw)
+    index = params.transitions.next_state[transition]
+    reward = params.transitions.reward[transition]
     terminated = params.terminal[index]
     info = {
         "state": index,
@@ -100,7 +96,7 @@ def observed(index: Int32[Array, ""], params: Params) -> Array:
 def action_mask(index: Int32[Array, ""], params: Params) -> Int8[Array, "A"]:
     """1 for the actions that are available in a state, 0 for others."""
     if params.available is None:
-        return jnp.ones(params.next_state.shape[-1], jnp.int8)
+        return jnp.ones(params.actions, jnp.int8)
     return params.available[index].astype(jnp.int8)
 
 

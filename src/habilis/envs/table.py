@@ -11,7 +11,7 @@ from jaxtyping import Int8, Shaped
 from habilis.checks import is_probability
 from habilis.envs.observations import Observation, ranks
 from habilis.mdp import TabularMDP
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 
 MAX_STEPS = 500
 """Steps after which an episode is cut off, unless set otherwise."""
@@ -22,7 +22,7 @@ ACTION_MASK = "action_mask"
 
 
 class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
-    """A deterministic table, one step a look-up.
+    """A table, one step a look-up.
 
     Observation: as given, by default the value of each factor, counted from 0 among those that it
     has (`MultiDiscrete`). Action: `Discrete`, the table's. Reward and termination are the table's;
@@ -54,25 +54,21 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         observation: Observation | None = None,
         columns: Mapping[str, Shaped[np.ndarray, "S"]] | None = None,
         slip: float = 0.0,
-        chance: Chance | None = None,
     ):
         """
         Args:
-            mdp: a deterministic table.
+            mdp: the table; random outcomes are drawn from `np_random`.
             max_steps: the length of an episode, at most.
             observation: what is shown of a state.
             columns: by name, a value for every state.
             slip: the probability that an action drawn uniformly takes the place of the chosen one.
-            chance: of a stochastic table, what may come of each action.
 
         Raises:
-            ValueError: the table is stochastic, its start has no action, or a number is out of its
-                range.
+            ValueError: the table's start has no action, or a number is out of its range.
         """
-        check_episode(mdp, max_steps, slip, chance)
+        check_episode(mdp, max_steps, slip)
         shown = ranks(mdp) if observation is None else observation
         self.mdp, self._columns = mdp, dict(columns or {})
-        self._chance = chance
         self._look_up()
         self._show, self._actions = shown.show, mdp.action_count
         self._max_steps, self.slip = max_steps, slip
@@ -82,16 +78,16 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
 
     def _look_up(self) -> None:
         """Views, not lists: they give Python's own numbers as fast, and take no time to make."""
-        if self._chance is None:
-            self._next_state = self.mdp.next_state.reshape(-1).data
-        self._reward = self.mdp.reward.astype(np.float64).reshape(-1).data
+        self._transitions = transitions = Transitions.of(self.mdp)
+        self._next_state, self._reward = transitions.next_state.data, transitions.reward.data
+        self._random = transitions.outcomes > 1
         self._terminal = self.mdp.ends.data
         self._masks = action_masks(self.mdp)
         self._told = [(name, column.data) for name, column in self._columns.items()]
 
     def __getstate__(self) -> dict[str, Any]:
         """For copies: views cannot be copied."""
-        views = ("_next_state", "_reward", "_terminal", "_told", "_masks")
+        views = ("_transitions", "_next_state", "_reward", "_terminal", "_told", "_masks")
         return {name: value for name, value in vars(self).items() if name not in views}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -122,13 +118,10 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         if self.slip and self.np_random.random() < self.slip:
             chosen = self._any_action()
         transition = self.state * self._actions + chosen
-        if self._chance is None:
-            self.state = state = self._next_state[transition]
-            reward = self._reward[transition]
-        else:
-            reached, earned = self._chance.led(transition, self.np_random.random())
-            self.state = state = int(reached)
-            reward = float(earned)
+        if self._random:
+            transition = self._transitions.drawn(transition, self.np_random.random())
+        self.state = state = self._next_state[transition]
+        reward = self._reward[transition]
         self._steps += 1
         ended: Any = self._terminal[state]
         cut = not ended and self._steps >= self._max_steps
@@ -162,12 +155,8 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         return info
 
 
-def check_episode(
-    mdp: TabularMDP, max_steps: int, slip: float, chance: Chance | None = None
-) -> None:
-    """Raises ValueError: a stochastic table, a start without actions, a number out of its range."""
-    if mdp.is_stochastic and chance is None:
-        raise ValueError("the table is stochastic; give a deterministic one, and slip= for chance")
+def check_episode(mdp: TabularMDP, max_steps: int, slip: float) -> None:
+    """Raises ValueError: a start without actions, or a number out of its range."""
     if mdp.ends[mdp.start] and not mdp.terminal[mdp.start]:
         raise ValueError(f"no action is available in state {mdp.start}; give another start")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:

@@ -19,13 +19,13 @@ from habilis.envs.table import (
 )
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 
 Stepped = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]
 
 
 class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """N environments on one deterministic table; each is a `TableEnv`.
+    """N environments on one table; each is a `TableEnv`.
 
     What happens after the last step of an episode goes by Gymnasium's autoreset modes:
     `NEXT_STEP`, the step that follows leaves its action aside, begins the next episode and has
@@ -58,30 +58,26 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         observation: Observation | None = None,
         columns: Mapping[str, Shaped[np.ndarray, "S"]] | None = None,
         slip: float = 0.0,
-        chance: Chance | None = None,
     ):
         """
         Args:
-            mdp: a deterministic table.
+            mdp: the table.
             num_envs: N.
             max_steps: the length of an episode, at most.
             autoreset_mode: Gymnasium's, or its name: "NextStep", "SameStep", "Disabled".
-            observation, columns, slip, chance: as in `TableEnv`.
+            observation, columns, slip: as in `TableEnv`.
 
         Raises:
             ValueError: as in `TableEnv`, or there is no such mode.
         """
-        check_episode(mdp, max_steps, slip, chance)
+        check_episode(mdp, max_steps, slip)
         if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
             raise ValueError(f"num_envs is {num_envs!r}; give a whole number of at least 1")
         shown = ranks(mdp) if observation is None else observation
         self.mdp, self.num_envs = mdp, num_envs
         self._mode = _mode(autoreset_mode)
         self.metadata = self.metadata | {"autoreset_mode": self._mode}
-        self._chance = chance
-        if chance is None:
-            self._next_state = mdp.next_state.reshape(-1)
-        self._reward = mdp.reward.astype(np.float64).reshape(-1)
+        self._transitions = Transitions.of(mdp)
         self._terminal, self._masks = mdp.ends, action_masks(mdp)
         self._columns = dict(columns or {})
         self._show, self._actions = shown.show, mdp.action_count
@@ -134,11 +130,11 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         begins = self._ended if self._mode is AutoresetMode.NEXT_STEP and self._any else None
         transition = self.state * self._actions
         transition += chosen
-        if self._chance is None:
-            after = self._next_state.take(transition)
-            rewards = self._reward.take(transition)
-        else:
-            after, rewards = self._chance.led(transition, self.np_random.random(self.num_envs))
+        if self._transitions.outcomes > 1:
+            draws = self.np_random.random(self.num_envs)
+            transition = self._transitions.drawn(transition, draws)
+        after = self._transitions.next_state.take(transition)
+        rewards = self._transitions.reward.take(transition)
         self._steps += 1
         if begins is not None:  # these make no step: their next episode begins
             after[begins], rewards[begins], self._steps[begins] = self.mdp.start, 0.0, 0

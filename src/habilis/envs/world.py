@@ -18,7 +18,6 @@ from habilis.envs.table import MAX_STEPS, TableEnv
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
-from habilis.worlds.chance import Chance
 from habilis.worlds.characters import AGENT, GOAL, OBJECT
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.tools import Tool
@@ -93,7 +92,6 @@ class WorldEnv(TableEnv):
             observation=scene.observation,
             columns=scene.columns,
             slip=slip,
-            chance=scene.chance,
         )
         self.world, self.render_mode, self._scene = scene.world, render_mode, scene
         self._screen: Screen | None = None
@@ -185,7 +183,6 @@ class WorldVectorEnv(TableVectorEnv):
             observation=scene.observation,
             columns=scene.columns,
             slip=slip,
-            chance=scene.chance,
         )
         self.world, self.render_mode, self._scene = scene.world, render_mode, scene
 
@@ -207,7 +204,6 @@ class Scene:
         mdp: its table.
         observation: what is shown.
         columns: what `info` says of every state.
-        chance: what may come of actions, where tools may fail.
         draw: makes pictures, if they were asked for.
     """
 
@@ -215,7 +211,6 @@ class Scene:
     mdp: TabularMDP
     observation: Observation
     columns: dict[str, Shaped[np.ndarray, "S"]]
-    chance: Chance | None
     draw: Show | None
 
     @classmethod
@@ -250,7 +245,7 @@ class Scene:
             except ValueError as error:
                 raise ValueError(f"measure {name!r}: {error}") from None
         draw = None if render_mode in (None, "ansi") else frames(mdp, found, _CELL)
-        return cls(found, mdp, observation(shown, mdp, found), columns, Chance.of(mdp), draw)
+        return cls(found, mdp, observation(shown, mdp, found), columns, draw)
 
     def text(self, state: int) -> str:
         """The map in the colours of a terminal, two characters a cell."""

@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float, Int
 
 from habilis.compiled import compiled
 from habilis.mdp import TabularMDP
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +25,7 @@ class Ledger:
 
     @classmethod
     def of(cls, mdp: TabularMDP) -> "Ledger":
-        chance = Chance.in_any(mdp)
-        reached, reward = chance.next_state.reshape(-1), chance.reward.reshape(-1)
+        reached, reward, _ = Transitions.of(mdp)
         flags = [flag[reached] for flag in mdp.flags.values()]
         columns = np.stack([np.ones(len(reached)), reward, *flags], axis=1)
         return cls(columns.astype(np.float64), mdp.ends[reached])

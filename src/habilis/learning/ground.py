@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int32, Int64
 from habilis.learning.config import Config
 from habilis.learning.starts import begun_anywhere
 from habilis.mdp import TabularMDP
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 from habilis.worlds.plans import best_returns, distances, solve
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
@@ -94,7 +94,7 @@ def best_return(world: World, conditions: Conditions, limit: int) -> float:
     Args:
         world, conditions: as in `ground`.
         limit: how many steps an episode has, at most. Of a shortest plan, which is what is best
-            where nothing is left to chance, all are counted.
+            in a deterministic world, all are counted.
 
     Returns:
         Extrinsic and undiscounted.
@@ -134,9 +134,10 @@ def success_rate(
     Returns:
         In a stochastic world, the mean probability.
     """
-    chance = Chance.in_any(mdp)
+    transitions = Transitions.of(mdp)
     chosen = np.arange(mdp.states) * mdp.action_count + policy
-    leads, shares = chance.next_state[chosen], chance.shares[chosen]
+    leads = transitions.next_state.reshape(-1, transitions.outcomes)[chosen]
+    shares = transitions.probabilities[chosen]
     there = np.where(mdp.terminal, 1.0, 0.0)
     for _ in range(limit):
         before = there

@@ -178,9 +178,9 @@ def advance(task: Task, settings: Settings, lanes: Lane, program: Program) -> tu
         draws = jax.random.uniform(stretch, shape)
         several = task.start.ndim > 0
         picks = jax.random.uniform(jax.random.fold_in(stretch, 1), shape) if several else None
-        uncertain = task.outcomes > 1
-        chances = jax.random.uniform(jax.random.fold_in(stretch, 3), shape) if uncertain else None
-        drawn = draws, picks, chances
+        stochastic = task.transitions.outcomes > 1
+        noise = jax.random.uniform(jax.random.fold_in(stretch, 3), shape) if stochastic else None
+        drawn = draws, picks, noise
         return jax.lax.scan(partial(_update, task, settings, program), lane, drawn)
 
     return jax.vmap(one_lane)(settings, lanes)
@@ -196,7 +196,7 @@ def _update(
     task: Task, settings: Settings, program: Program, lane: Lane, drawn: tuple
 ) -> tuple[Lane, Log]:
     """One rollout, and what is learned from it."""
-    draws, picks, chances = drawn
+    draws, picks, noise = drawn
     taken = lane.updates.astype(jnp.float32) * draws.size
     episodes: Any = 0.0
     if isinstance(lane.done, Count):
@@ -208,8 +208,8 @@ def _update(
     def worth(transition: Int[Array, "*n"]) -> Float[Array, "*n"]:
         return intrinsic.reward(
             settings.numbers,
-            task.reward[transition],
-            value(task.next_state[transition]),
+            task.transitions.reward[transition],
+            value(task.transitions.next_state[transition]),
             value(task.state_of(transition)),
             task.terminated(transition),
             taken,
@@ -232,7 +232,7 @@ def _update(
         settings.numbers["episode_limit"],
         draws,
         picks,
-        chances,
+        noise,
     )
     terminated = task.terminated(passed.transition)
     cut_off = passed.truncated
@@ -240,7 +240,7 @@ def _update(
     experience = Experience(
         state=passed.state,
         action=task.action_of(passed.transition),
-        reached=task.next_state[passed.transition],
+        reached=task.transitions.next_state[passed.transition],
         reward=worth(passed.transition),
         terminated=terminated | terminal,
         truncated=cut_off & ~terminal,

@@ -66,7 +66,7 @@ def _measured(
     program: Program,
 ) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
     """Entropy of the policy, intrinsic value of the states entered, and its weight."""
-    states, reached = task.state_of(transitions), task.next_state[transitions]
+    states, reached = task.state_of(transitions), task.transitions.next_state[transitions]
     entropy = jnp.float32(jnp.nan)
     if isinstance(program.algorithm, A2C | PPO):
         visited = task.only(states)

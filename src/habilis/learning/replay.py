@@ -12,7 +12,7 @@ from habilis.learning.lanes import Program
 from habilis.learning.runs import Run
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 from habilis.worlds.plans import solve
 
 
@@ -124,7 +124,7 @@ def best_return_from(run: Run, start: int) -> float | None:
         start: the state to begin in, of `table_of(run)`.
 
     Returns:
-        Extrinsic, undiscounted: of a shortest plan where nothing is left to chance.
+        Extrinsic, undiscounted: of a shortest plan in a deterministic world.
     """
     mdp = table_of(run)
     if mdp.is_stochastic:
@@ -145,7 +145,7 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
         run: what `train` returned, or `load_run`.
         index: which of its runs, from 0.
         start: the state to begin in, of `tabulate(run.world)`; by default the map's own.
-        seed: of what chance does, where it has a say.
+        seed: of the random outcomes in a stochastic world.
 
     Returns:
         The episode.
@@ -161,15 +161,15 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
     start = mdp.start if start is None else start
     if not 0 <= start < mdp.states:
         raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
-    chance, random = Chance.in_any(mdp), np.random.default_rng(seed)
+    transitions, random = Transitions.of(mdp), np.random.default_rng(seed)
     ends = mdp.ends
     states, actions, total = [start], [], 0.0
     while True:
         action = int(policy[states[-1]])
         chosen = states[-1] * mdp.action_count + action
-        led, earned = chance.led(chosen, random.random())
-        reached = int(led)
-        total += float(earned)
+        made = transitions.drawn(chosen, random.random())
+        reached = int(transitions.next_state[made])
+        total += float(transitions.reward[made])
         actions.append(action)
         in_vain = (
             len(actions) >= run.config.episode_limit if mdp.is_stochastic else reached in states

@@ -80,12 +80,12 @@ def rollout(
     episode_limit: Float[Array, ""],
     draws: Float[Array, "T E"],
     picks: Float[Array, "T E"] | None = None,
-    chances: Float[Array, "T E"] | None = None,
+    noise: Float[Array, "T E"] | None = None,
 ) -> tuple[Place, Passed]:
     """T steps of E environments; ended episodes start anew.
 
     The draws decide on actions, the picks on where an episode begins, if there are several starts,
-    and the chances on what comes of an action, if there are several outcomes.
+    and the noise on the outcome of an action, if there are several.
     """
 
     def step(place: Place, drawn: tuple) -> tuple[Place, Passed]:
@@ -93,7 +93,7 @@ def rollout(
         return after, passed
 
     # A few steps a turn of the compiled loop: its turns cost as much as the small operations in it.
-    return jax.lax.scan(step, place, (draws, picks, chances), unroll=min(_TOGETHER, len(draws)))
+    return jax.lax.scan(step, place, (draws, picks, noise), unroll=min(_TOGETHER, len(draws)))
 
 
 def _step(
@@ -103,11 +103,11 @@ def _step(
     episode_limit: Float[Array, ""],
     draw: Float[Array, "E"],
     pick: Float[Array, "E"] | None,
-    chance: Float[Array, "E"] | None,
+    noise: Float[Array, "E"] | None,
 ) -> tuple[Place, Passed, Bool[Array, "E"]]:
     """One step of E environments: where they are then, what was done, and which episodes ended."""
     action, kept = act(place.state, draw)
-    transition = task.transition(place.state, action, chance)
+    transition = task.transition(place.state, action, noise)
     reached = task.goes_on[transition]
     steps = place.steps + 1
     truncated = (reached >= 0) & (steps >= episode_limit)
@@ -123,7 +123,7 @@ def whole_episodes(
     episode_limit: Float[Array, ""],
     draws: Float[Array, "T E"],
     picks: Float[Array, "T E"] | None = None,
-    chances: Float[Array, "T E"] | None = None,
+    noise: Float[Array, "T E"] | None = None,
 ) -> tuple[Place, Passed]:
     """One episode of each of E environments, of up to T steps; see `rollout`.
 
@@ -133,7 +133,7 @@ def whole_episodes(
     steps, envs = draws.shape
 
     def step(t: Int[Array, ""], place: Place) -> tuple[Place, Passed, Bool[Array, "E"]]:
-        drawn = jax.tree.map(lambda drawn: drawn[t], (draws, picks, chances))
+        drawn = jax.tree.map(lambda drawn: drawn[t], (draws, picks, noise))
         return _step(task, act, place, episode_limit, *drawn)
 
     def more(carry: tuple) -> Bool[Array, ""]:

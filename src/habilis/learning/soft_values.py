@@ -39,14 +39,14 @@ def learn(
     soft maximum is over the actions that are available.
     """
     task, numbers = context.task, context.numbers
-    reward = context.worth(jnp.arange(len(task.next_state)))
-    ends, shares = task.goes_on < 0, task.shares()
+    reward = context.worth(jnp.arange(len(task.goes_on)))
+    ends, shares = task.goes_on < 0, task.transitions.probabilities
 
     def backup(values: Float[Array, "S A"], _: None) -> tuple[Array, Array]:
         logits = masked(values / numbers["temperature"], task.available)
         soft = jax.nn.logsumexp(logits, axis=-1) * numbers["temperature"]
-        future = jnp.where(ends, 0.0, soft[task.next_state])
-        worth = (reward + numbers["discount"] * future).reshape(-1, task.outcomes)
+        future = jnp.where(ends, 0.0, soft[task.transitions.next_state])
+        worth = (reward + numbers["discount"] * future).reshape(shares.shape)
         new = (shares * worth).sum(axis=1).reshape(values.shape)
         if task.available is not None:
             new = jnp.where(task.available, new, 0.0)

@@ -8,26 +8,18 @@ from jaxtyping import Array, Bool, Float, Float32, Int, Int32
 
 from habilis.learning.config import ONE_HOT
 from habilis.mdp import TabularMDP
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 
 ROOM = 1 << 13
 """To a multiple of which `roomy` brings the number of states."""
 
 
 class Task(NamedTuple):
-    """What all lanes share.
+    """What all lanes share; transitions are numbered as in `Transitions`."""
 
-    An action may have several outcomes, of which chance chooses, where it has a say. A
-    transition is numbered `(state * actions + action) * outcomes + outcome`.
-    """
-
-    next_state: Int[Array, "S*A*K"]
-    """Where each transition leads."""
+    transitions: Transitions
     goes_on: Int[Array, "S*A*K"]
-    """Where the next step is made from: as above, or -1 where that is terminal."""
-    reward: Float[Array, "S*A*K"]
-    below: Float[Array, "S*A K-1"]
-    """Where in [0, 1) each outcome's share ends and the next begins."""
+    """Where the next step is made from: the next state, or -1 where that is terminal."""
     inputs: Int[Array, "S factors"] | Float[Array, "S coordinates"]
     """What a network is shown of a state: rows of its first weights, or coordinates."""
     start: Int[Array, "*starts"]
@@ -41,16 +33,7 @@ class Task(NamedTuple):
 
     @property
     def actions(self) -> int:
-        return self.below.shape[0] // self.states
-
-    @property
-    def outcomes(self) -> int:
-        """How many an action has: 1 where nothing is left to chance."""
-        return self.below.shape[1] + 1
-
-    def shares(self) -> Float[Array, "S*A K"]:
-        """The probability of each outcome."""
-        return jnp.diff(self.below, axis=1, prepend=0.0, append=1.0)
+        return self.transitions.cumulative.shape[0] // self.states
 
     def available_in(self, state: Int[Array, "*n"]) -> Bool[Array, "*n A"] | None:
         """The actions that may be taken in some states; `None`: all."""
@@ -64,16 +47,13 @@ class Task(NamedTuple):
         self, state: Int[Array, "*n"], action: Int[Array, "*n"], draw: Float[Array, "*n"] | None
     ) -> Int[Array, "*n"]:
         """What is done, given a uniform number for each; the one outcome needs none."""
-        chosen = state * self.actions + action
-        if draw is None:
-            return chosen
-        return chosen * self.outcomes + (self.below[chosen] <= draw[..., None]).sum(axis=-1)
+        return self.transitions.drawn(state * self.actions + action, draw)
 
     def state_of(self, transition: Int[Array, "*n"]) -> Int[Array, "*n"]:
-        return transition // (self.actions * self.outcomes)
+        return transition // (self.actions * self.transitions.outcomes)
 
     def action_of(self, transition: Int[Array, "*n"]) -> Int[Array, "*n"]:
-        return transition // self.outcomes % self.actions
+        return transition // self.transitions.outcomes % self.actions
 
     def begin(self, draw: Float[Array, "*n"] | None) -> Int[Array, "*n"]:
         """Where episodes begin, given a uniform number for each; the one start needs none."""
@@ -108,13 +88,11 @@ def make_task(
     if len(stuck):
         raise ValueError(f"no action is available in state {stuck[0]}; give another start")
     inputs, rows = one_hot(mdp) if observation == ONE_HOT else coordinates(mdp)
-    chance = Chance.in_any(mdp)
-    reached = chance.next_state.reshape(-1)
+    transitions = Transitions.of(mdp)
+    reached = transitions.next_state
     task = Task(
-        next_state=jnp.asarray(reached),
+        transitions=transitions.in_jax(),
         goes_on=jnp.asarray(np.where(ends[reached], -1, reached), jnp.int32),
-        reward=jnp.asarray(chance.reward.reshape(-1), jnp.float32),
-        below=jnp.asarray(chance.below, jnp.float32),
         inputs=jnp.asarray(inputs),
         start=jnp.int32(mdp.start) if starts is None else jnp.asarray(starts, jnp.int32),
         available=None
@@ -164,12 +142,15 @@ def roomy(task: Task) -> Task:
     """
     more = -task.states % ROOM
     chosen = (0, more * task.actions)
-    transitions = (0, more * task.actions * task.outcomes)
+    made = (0, more * task.actions * task.transitions.outcomes)
+    next_state, reward, cumulative = task.transitions
     return task._replace(
-        next_state=jnp.pad(task.next_state, transitions),
-        goes_on=jnp.pad(task.goes_on, transitions),
-        reward=jnp.pad(task.reward, transitions),
-        below=jnp.pad(task.below, (chosen, (0, 0))),
+        transitions=Transitions(
+            next_state=jnp.pad(next_state, made),
+            reward=jnp.pad(reward, made),
+            cumulative=jnp.pad(cumulative, (chosen, (0, 0))),
+        ),
+        goes_on=jnp.pad(task.goes_on, made),
         inputs=jnp.pad(task.inputs, ((0, more), (0, 0))),
         available=None
         if task.available is None

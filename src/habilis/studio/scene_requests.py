@@ -33,8 +33,8 @@ class Pools:
 
     Attributes:
         quick: for what takes milliseconds: a landscape, the futures of a cell, a step of play.
-        slow: for what may take longer: averages over all placements, plans, and all where chance
-            has a part.
+        slow: for what may take longer: averages over all placements, plans, and everything in a
+            stochastic world.
         learning: for what was learned. It is started when it is first needed, and none without the
             extra `habilis[learn]`.
     """
@@ -62,7 +62,7 @@ class Pools:
 
     def for_one(self, scene: Scene) -> Pool:
         """For the value of one state of a scene."""
-        return self.slow if scene.chance else self.quick
+        return self.slow if scene.is_stochastic else self.quick
 
 
 async def measure(pools: Pools, tools: tuple[str, ...], client: Client, request: Request) -> None:
@@ -80,7 +80,7 @@ async def landscape(pools: Pools, client: Client, request: Request) -> None:
 
 async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) -> None:
     began = time.perf_counter()
-    if scene.chance:
+    if scene.is_stochastic:
         bits = await _stretches(pools, client, number, scene)
     else:
         bits = (await client.step(pools.quick, "landscape", scene=scene))["bits"]

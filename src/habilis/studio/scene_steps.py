@@ -20,10 +20,10 @@ from habilis.empowerment.tabular.beliefs import TooManyBeliefsError
 from habilis.empowerment.tabular.cost import check_effort, most_entries
 from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
 from habilis.mdp import HELD, LAID, TabularMDP
-from habilis.studio.chance import drawn
 from habilis.studio.limits import DRAWN, FEWEST, GIB, SECONDS
+from habilis.studio.random_placements import random_placements
 from habilis.studio.scenes import ELSEWHERE, Scene
-from habilis.worlds.described import rewards
+from habilis.transitions import Transitions
 from habilis.worlds.moving import agent_cells
 from habilis.worlds.placements import Placement, start_of
 from habilis.worlds.plans import check_certain, solve
@@ -54,7 +54,7 @@ def landscape(scene: Scene) -> Answer:
 
 
 def stretch(scene: Scene, first: int, end: int) -> Answer:
-    """Empowerment for some of the agent's cells, where chance makes it take long."""
+    """Empowerment for some of the agent's cells, of a stochastic table, which takes long."""
     problem, states = _everywhere(scene)
     return {"bits": _each(problem, states[first:end])}
 
@@ -68,12 +68,12 @@ def sampled(scene: Scene, tool: str, first: int, end: int) -> Answer:
 def average(scene: Scene, tool: str) -> Answer:
     """What a tool, or none, is worth on average; `None` where that takes too long to be exact."""
     of_tool = scene.with_tool(tool)
-    if of_tool.chance and len(agent_cells(of_tool.world)) > _MANY:
+    if of_tool.is_stochastic and len(agent_cells(of_tool.world)) > _MANY:
         return {"bits": None}
     mdp = tabulate(of_tool.world, scene.slip)
     states = np.flatnonzero(compared_states(mdp))
     options = _OPTIONS.copy()
-    if of_tool.chance:
+    if of_tool.is_stochastic:
         options["max_seconds"] = _EXACT
     try:
         bits = empowerment(mdp, scene.horizon, "object", states=states, **options)
@@ -140,8 +140,10 @@ def step(scene: Scene, at: Placement, action: int | None) -> Answer:
             raise ValueError(f"action is {action}; use indices from 0 to {mdp.action_count - 1}")
         if random.random() < scene.slip:
             action = random.randrange(mdp.action_count)
-        state = _led(mdp, state, action)
-        ended, reward = bool(mdp.terminal[state]), float(rewards(mdp.terminal, np.array(state)))
+        transitions = Transitions.of(mdp)
+        made = transitions.drawn(state * mdp.action_count + action, random.random())
+        state, reward = int(transitions.next_state[made]), float(transitions.reward[made])
+        ended = bool(mdp.terminal[state])
     now = placed(world, mdp, state)
     return {
         "placement": now,
@@ -151,14 +153,6 @@ def step(scene: Scene, at: Placement, action: int | None) -> Answer:
         "reward": reward,
         "ended": ended,
     }
-
-
-def _led(mdp: TabularMDP, state: int, action: int) -> int:
-    """Where an action leads; where its tool may fail, by chance."""
-    if not mdp.is_stochastic:
-        return int(mdp.next_state[state, action])
-    row = mdp.transition(action)[[state]]
-    return int(random.choices(row.indices, row.data)[0])
 
 
 def _within_reach(world: World, at: Placement) -> tuple[TabularMDP, int]:
@@ -239,7 +233,7 @@ def _anywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
     Raises:
         TooMuchError: even a few take longer than anybody waits.
     """
-    problem, states = _uncertain(scene, drawn(scene.world, DRAWN))
+    problem, states = _uncertain(scene, random_placements(scene.world, DRAWN))
     check_effort(problem, states[:FEWEST], 1, _LIMITS)
     return problem, states
 

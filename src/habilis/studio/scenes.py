@@ -93,8 +93,8 @@ class Scene:
         return ACTIONS[self.actions]
 
     @property
-    def chance(self) -> bool:
-        """Whether chance has a part in it."""
+    def is_stochastic(self) -> bool:
+        """Whether outcomes are random: actions may slip, or tools fail."""
         return bool(self.slip) or any(tool.slip for tool in self.world.tools)
 
     @property

@@ -143,8 +143,8 @@ def _check_again(questions: "list[_Question]") -> None:
         if (again != first).any():
             raise question.refuse(
                 "answers otherwise when asked again",
-                "let nothing but its arguments decide: no chance, nothing remembered, and each "
-                "entry of the arrays by itself",
+                "let nothing but its arguments decide: no random numbers, nothing remembered, and "
+                "each entry of the arrays by itself",
                 int(np.argmax(again != first)),
             )
 

@@ -57,11 +57,12 @@ def describe(
     flags = {"equipped": at.held != NONE, "attached": np.logical_or.reduce(held)}
     if len(world.tools) > 1:
         flags |= {f"equipped:{t.name}": at.held == place for place, t in enumerate(world.tools)}
-    reward, transitions = rewards(terminal, next_state), next_state
+    entry_reward = entry_rewards(terminal)
+    reward, transitions = entry_reward[next_state], next_state
     if failing is not None:
         fails = np.array([*(tool.slip for tool in world.tools), 0.0])[at.held]
         share = fails[:, None].astype(np.float32)
-        reward = (1 - share) * reward + share * rewards(terminal, failing)
+        reward = (1 - share) * reward + share * entry_reward[failing]
         transitions = _mixed(next_state, failing, fails)
     return TabularMDP(
         transitions=transitions,
@@ -72,14 +73,13 @@ def describe(
         start=start,
         shape=(world.height, world.width),
         actions=actions_of(world),
+        entry_reward=entry_reward,
     )
 
 
-def rewards(
-    terminal: Bool[np.ndarray, "S"], next_state: Int32[np.ndarray, "*transitions"]
-) -> Float32[np.ndarray, "*transitions"]:
+def entry_rewards(terminal: Bool[np.ndarray, "S"]) -> Float32[np.ndarray, "S"]:
     """Rule 6 of the worlds: 0 for what ends an episode, -1 for all else."""
-    return -(~terminal[next_state]).astype(np.float32)
+    return -(~terminal).astype(np.float32)
 
 
 def _mixed(

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from habilis.mdp import TabularMDP
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 from habilis.worlds.world import World
 
 _SETTLED = 1e-9  # a change of expected returns that is none
@@ -80,7 +80,7 @@ def distances(mdp: TabularMDP) -> Int64[np.ndarray, "S"]:
     Returns:
         int64[S]; 0 for terminal states, -1 where none can be reached.
     """
-    reached = Chance.in_any(mdp).next_state.reshape(mdp.states, -1)
+    reached = Transitions.of(mdp).next_state.reshape(mdp.states, -1)
     far = np.where(mdp.terminal, 0, -1)
     left = np.flatnonzero(far < 0)
     step = 0
@@ -95,7 +95,7 @@ def distances(mdp: TabularMDP) -> Int64[np.ndarray, "S"]:
 
 
 def best_returns(mdp: TabularMDP, limit: int) -> Float64[np.ndarray, "S"]:
-    """The return that the best policy expects from every state, whatever chance does.
+    """The return that the best policy expects from every state.
 
     V_0 = 0, and V_n(s) is the largest over the actions available in s of E[r + V_(n - 1)(s')],
     without V where s' is terminal; 0 in a state without actions, where an episode ends.
@@ -105,8 +105,8 @@ def best_returns(mdp: TabularMDP, limit: int) -> Float64[np.ndarray, "S"]:
         limit: how many steps an episode has, at most.
 
     Returns:
-        float64[S], undiscounted; where nothing is left to chance, those of shortest plans, if they
-        are no longer than the limit.
+        float64[S], undiscounted; in a deterministic table those of shortest plans, if they are no
+        longer than the limit.
     """
     best, reward = np.zeros(mdp.states), mdp.reward.astype(np.float64)
     if not mdp.always_available:
@@ -139,8 +139,8 @@ def check_certain(world: World) -> World:
     for tool in world.tools:
         if tool.slip:
             raise ValueError(
-                f"{world.name}: the tool {tool.name!r} has slip {tool.slip:g}: with chance there "
-                "is no shortest plan; leave out its slip"
+                f"{world.name}: the tool {tool.name!r} has slip {tool.slip:g}: a stochastic "
+                "world has no shortest plan; leave out its slip"
             )
     return world
 

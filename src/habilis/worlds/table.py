@@ -8,7 +8,7 @@ from jaxtyping import Int32
 
 from habilis.mdp import HELD, TabularMDP
 from habilis.progress import progress_bar
-from habilis.worlds.described import actions_of, describe, rewards
+from habilis.worlds.described import actions_of, describe, entry_rewards
 from habilis.worlds.moving import put
 from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
 from habilis.worlds.reach import MAX_STATES, TooManyPlacementsError, reachable
@@ -142,10 +142,12 @@ def restarted(mdp: TabularMDP, world: World) -> TabularMDP:
     """
     terminal = mdp.factor("object") == mdp.label(world.goal)
     cells = {"agent": world.agent, "object": world.object, "tool": world.tool_cell}
+    entry_reward = entry_rewards(terminal)
     return replace(
         mdp,
         terminal=terminal,
-        reward=rewards(terminal, mdp.next_state),
+        reward=entry_reward[mdp.next_state],
+        entry_reward=entry_reward,
         start=mdp.find(
             **{name: cell for name, cell in cells.items() if name in mdp.factors and cell}
         ),

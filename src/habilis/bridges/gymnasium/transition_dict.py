@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int32, Int64
+from jaxtyping import Bool, Float32, Float64, Int32, Int64
 
 from habilis.mdp import TabularMDP
 
@@ -192,7 +192,22 @@ def _mdp(
     np.add.at(reward, (found.state, found.action), found.probability * found.reward)
     terminal = np.zeros(states, bool)
     terminal[after[found.ended & (found.probability > 0)]] = True
-    return TabularMDP.stochastic(matrices, reward, terminal, start)
+    mdp = TabularMDP.stochastic(matrices, reward, terminal, start)
+    return replace(mdp, entry_reward=_entry_rewards(found, after, states))
+
+
+def _entry_rewards(
+    found: Outcomes, after: Int64[np.ndarray, "N"], states: int
+) -> Float32[np.ndarray, "S"]:
+    """The reward listed with each state, of several the largest.
+
+    The loops that P has after the end of an episode earn 0, beside what its end has earned.
+    """
+    order = np.argsort(np.abs(found.reward), kind="stable")
+    order = order[found.probability[order] > 0]
+    reward = np.zeros(states, np.float32)
+    reward[after[order]] = found.reward[order]
+    return reward
 
 
 @dataclass(frozen=True)

@@ -153,7 +153,7 @@ def welch(a: np.ndarray, b: np.ndarray) -> float:
     """The two-sided p-value of Welch's t-test.
 
     1 where the test is not defined, which is with a single run, or with samples that do not
-    vary: then there is nothing to tell chance by.
+    vary: then there is no noise to compare with.
     """
     if min(len(a), len(b)) < 2 or np.ptp(a) == 0 or np.ptp(b) == 0:
         return 1.0

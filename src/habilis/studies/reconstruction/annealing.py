@@ -46,7 +46,7 @@ def anneal(
 
     Args:
         targets: what the map has to meet.
-        random: where all chance comes from.
+        random: the source of all random numbers.
         schedule: how long to go on, and how to cool.
         show: told how it goes.
         begin: the map to begin with; by default one at random.

@@ -19,7 +19,7 @@ from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.replay import best_return_from, greedy_actions, play, success, table_of
 from habilis.learning.task import make_task
 from habilis.learning.train import train
-from habilis.worlds.chance import Chance
+from habilis.transitions import Transitions
 from habilis.worlds.plans import best_returns, distances
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -57,7 +57,7 @@ def test_the_best_return_is_that_of_bellman_s_equation():
         assert np.allclose(best_returns(mdp, limit), expected(mdp, limit), atol=1e-6)
 
 
-def test_without_chance_the_best_return_is_that_of_a_shortest_plan():
+def test_in_a_deterministic_world_the_best_return_is_that_of_a_shortest_plan():
     mdp = hb.tabulate(hb.World.parse(SURE))
     far = distances(mdp)
     there = far > 0
@@ -77,15 +77,15 @@ def test_a_tool_that_may_fail_costs_something_and_its_luck_is_known(world):
 def test_every_outcome_of_an_action_has_its_share():
     jobs = [Job.of(i, LEARN.changed(runs=2, steps=40_000, seed=i)) for i in range(4)]
     train_jobs(jobs)
-    chance = Chance.in_any(jobs[0].mdp)
+    transitions = Transitions.of(jobs[0].mdp)
     lasts = [record.last for job in jobs for record in job.records]
     done = np.concatenate([last.transitions for last in lasts if last is not None])
-    chosen, outcome = np.divmod(done, jobs[0].task[0].outcomes)
-    share = chance.shares[chosen, 1]
-    by_chance = (share > 0.01) & (share < 0.99)
-    assert by_chance.sum() > 200
-    assert (outcome == 1)[by_chance].mean() == pytest.approx(share[by_chance].mean(), abs=0.12)
-    assert (outcome == 1)[~by_chance].sum() == 0
+    chosen, outcome = np.divmod(done, transitions.outcomes)
+    share = transitions.probabilities[chosen, 1]
+    random = (share > 0.01) & (share < 0.99)
+    assert random.sum() > 200
+    assert (outcome == 1)[random].mean() == pytest.approx(share[random].mean(), abs=0.12)
+    assert (outcome == 1)[~random].sum() == 0
 
 
 def test_a_transition_tells_state_action_and_outcome(world):
@@ -125,14 +125,14 @@ def test_planning_weighs_what_may_come_by_how_likely_it_is(world):
     assert np.allclose(values[near], best[near], atol=0.1)
 
 
-def test_object_empowerment_is_that_of_the_world_with_its_chance():
+def test_object_empowerment_is_that_of_the_stochastic_world():
     job = Job.of(0, LEARN.changed(intrinsic="object", horizon=2, beta=0.1))
     assert np.allclose(job.table, hb.empowerment(job.mdp, 2, "object"))
     sure = hb.empowerment(hb.tabulate(hb.World.parse(SURE)), 2, "object")
     assert job.table.mean() < sure.mean() - 0.01
 
 
-def test_an_episode_is_by_chance_and_the_success_rate_is_the_share_of_those_that_succeed():
+def test_episodes_are_random_and_the_success_rate_is_the_share_of_those_that_succeed():
     run = train(LEARN.changed(steps=20_000, episode_limit=9))
     episodes = [play(run, seed=seed) for seed in range(300)]
     assert play(run, seed=7) == episodes[7]
@@ -142,13 +142,14 @@ def test_an_episode_is_by_chance_and_the_success_rate_is_the_share_of_those_that
     wanted = success(run).seen
     assert abs(share - wanted) < 4 * np.sqrt(0.25 / 300)
     mdp, policy = table_of(run), greedy_actions(run, table_of(run), 0)
-    chance = Chance.in_any(mdp)
+    transitions = Transitions.of(mdp)
+    next_state = transitions.next_state.reshape(-1, transitions.outcomes)
     for episode in episodes[:20]:
         for before, action, after in zip(
             episode.states, episode.actions, episode.states[1:], strict=False
         ):
             assert action == policy[before]
-            assert after in chance.next_state[before * mdp.action_count + action]
+            assert after in next_state[before * mdp.action_count + action]
 
 
 def test_episodes_may_begin_anywhere_as_well():
@@ -163,7 +164,7 @@ def test_episodes_may_begin_anywhere_as_well():
     assert run.best_return < on.shortest_return
 
 
-def test_a_goal_out_of_reach_is_refused_whatever_chance_does(tmp_path):
+def test_a_goal_out_of_reach_is_refused_in_a_stochastic_world_too(tmp_path):
     (tmp_path / "shut.txt").write_text("P = picker slip 0.3\nA.P#G\n.C.##\n.....\n")
     with pytest.raises(ValueError, match=r"shut\.txt: the goal cannot be reached"):
         train(Config(world="shut.txt"))
@@ -199,7 +200,7 @@ def test_the_command_line_trains_watches_and_says_how_often_it_succeeds(capsys):
 def test_actions_may_slip_too(capsys):
     slips = LEARN.changed(world="fails.txt", slip=0.1, algorithm="soft-value-iteration")
     job = Job.of(0, slips)
-    assert job.task[0].outcomes > 2
+    assert job.task[0].transitions.outcomes > 2
     assert job.best_return < Job.of(0, LEARN).best_return
     measured = hb.tabulate(job.world, slip=0.1)
     assert fingerprint(job.mdp.transitions) == fingerprint(measured.transitions)

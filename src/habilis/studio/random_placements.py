@@ -10,7 +10,7 @@ _SIDES = ((-1, 0), (0, 1), (1, 0), (0, -1))
 _TRIES = 8  # draws for each placement; most are good
 
 
-def drawn(world: World, count: int, seed: int = 0) -> list[Placement]:
+def random_placements(world: World, count: int, seed: int = 0) -> list[Placement]:
     """Placements of those that averages go over, each as likely: with a tool, it is in hand.
 
     Args:
