@@ -6,7 +6,7 @@ from pathlib import Path
 
 from habilis.files import check_folder
 from habilis.interruption import Interrupted
-from habilis.sweeps.command import progress_bar
+from habilis.progress import progress_bar
 from habilis.sweeps.sweep import sweep
 from research.multiverse.report import write_page, write_study
 from research.multiverse.settings import agents, all_maps
@@ -30,7 +30,7 @@ def main() -> int:
     everyone = agents(all_maps())
     try:
         check_folder(args.out)
-        with progress_bar() as on_progress:
+        with progress_bar("tasks", sys.stderr.isatty()) as on_progress:
             results = sweep(
                 [agent.config for agent in everyone],
                 args.work,

@@ -8,7 +8,7 @@ import polars as pl
 from jaxtyping import Float
 
 from habilis.studies.comparison import Outcome, Verdict, verdict_of
-from habilis.sweeps.tasks import BLOCK
+from habilis.sweeps.training import BLOCK
 
 MEASURES = ("episodes", "steps", "first success")
 """What is counted: episodes to convergence, as in the paper; environment steps to convergence; or

@@ -18,9 +18,9 @@ from typing import Any
 import polars as pl
 
 from habilis.files import write_whole
+from habilis.progress import progress_bar
 from habilis.studies.paper.published import EXPERIMENTS, REWARDS
 from habilis.studies.paper.settings import FAST_MAPS, FULL, row_config
-from habilis.sweeps.command import progress_bar
 from habilis.sweeps.sweep import sweep
 from research.multiverse import claims
 from research.multiverse.settings import BETAS, HORIZONS, LEARNERS, Agent, agents
@@ -99,7 +99,7 @@ def main() -> int:
     parser.add_argument("--work", type=Path, required=True, help="where finished runs are kept")
     args = parser.parse_args()
     everyone = compared_agents()
-    with progress_bar() as on_progress:
+    with progress_bar("tasks", sys.stderr.isatty()) as on_progress:
         configs = [agent.config for agent in everyone]
         results = sweep(configs, args.work, resume=True, on_progress=on_progress)
     write_whole(args.out, as_rows(everyone, results).write_csv)

@@ -17,7 +17,7 @@ from habilis.learning.intrinsic import value_table
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.sweeps.store import read_points, results
 from habilis.sweeps.sweep import sweep
-from habilis.sweeps.tasks import tasks_of
+from habilis.sweeps.training import tasks_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "rake.py"
 ROOM = "D = can\nG = goal of C\nH = goal of D\nAC.G\nP...\n.D.H\n"

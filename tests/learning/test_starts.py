@@ -20,7 +20,7 @@ from habilis.learning.replay import greedy_actions, play, success, table_of
 from habilis.learning.runs import Run
 from habilis.learning.starts import random_placements
 from habilis.learning.train import train
-from habilis.sweeps.tasks import plain
+from habilis.sweeps.training import plain
 from habilis.worlds.plans import distances, solve
 
 ROOM = "R = rake\nA...\nP...\n.C..\n..RG\n"

@@ -14,10 +14,10 @@ from habilis.cli import main
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run, read_world
 from habilis.learning.jobs import Job, digest_of_own_tool
-from habilis.sweeps.local import processes
-from habilis.sweeps.store import TASKS, read_points, results
+from habilis.sweeps.store import LAYOUT, read_points, results
 from habilis.sweeps.sweep import sweep
-from habilis.sweeps.tasks import tasks_of
+from habilis.sweeps.training import tasks_of
+from habilis.tasks.local import processes
 from habilis.worlds.tools import Picker
 from habilis.worlds.world import load_world
 
@@ -185,7 +185,7 @@ def test_what_was_swept_with_another_rule_is_trained_again(folder):
     with pytest.raises(ValueError, match=r"sweep: was begun when the tool .* did something else"):
         results("sweep")
     sweep([config], "sweep", resume=True)
-    assert len(list((folder / "sweep" / TASKS).iterdir())) == 2
+    assert len(list((folder / "sweep" / LAYOUT.results).iterdir())) == 2
     assert results("sweep").height == 1
     (folder / "rake.py").unlink()
     with pytest.raises(ValueError, match=r"points\.json: .*rake\.py cannot be read"):

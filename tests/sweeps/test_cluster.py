@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from habilis.cli import main
-from habilis.sweeps.store import TASKS, results
+from habilis.sweeps.store import LAYOUT, results
 
 SPEC = """
 [config]
@@ -90,7 +90,7 @@ def test_a_sweep_outlives_a_node_and_a_driver(room, tmp_path, cluster, capsys):
             time.sleep(0.01)
 
     def finished() -> list[Path]:
-        return list((folder / TASKS).glob("[!.]*.npz"))
+        return list((folder / LAYOUT.results).glob("[!.]*.npz"))
 
     first = start()
     wait_for(first, 1)

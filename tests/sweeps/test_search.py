@@ -9,7 +9,7 @@ import pytest
 from habilis.cli import main
 from habilis.sweeps.search import best_point, search
 from habilis.sweeps.spec import OBJECTIVES, Range, Search, Spec, read_spec
-from habilis.sweeps.store import TASKS, results
+from habilis.sweeps.store import LAYOUT, results
 
 SPEC = """
 [config]
@@ -61,7 +61,7 @@ def test_a_killed_search_goes_on_as_it_would_have(spec, tmp_path, whole):
     for count in (1, 3):
         with open(tmp_path / "said", "w") as said:
             process = subprocess.Popen([*command, "--resume"], stdout=said, stderr=said)
-        while len(list((folder / TASKS).glob("[!.]*.npz"))) < count:
+        while len(list((folder / LAYOUT.results).glob("[!.]*.npz"))) < count:
             assert process.poll() is None, (tmp_path / "said").read_text()
             time.sleep(0.005)
         process.kill()

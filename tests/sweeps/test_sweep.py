@@ -11,11 +11,10 @@ import polars as pl
 import pytest
 
 from habilis.cli import main
-from habilis.sweeps import memory
-from habilis.sweeps.local import processes
-from habilis.sweeps.store import TASKS, results
+from habilis.sweeps.store import LAYOUT, results
 from habilis.sweeps.sweep import sweep
-from habilis.sweeps.tasks import run_task, run_tasks, tasks_of
+from habilis.sweeps.training import tasks_of, train_tasks
+from habilis.tasks.local import available_memory, peak_memory, processes
 
 SPEC = """
 [config]
@@ -59,7 +58,7 @@ def start(spec: Path, folder: Path, *options: str) -> subprocess.Popen:
 
 
 def finished(folder: Path) -> list[Path]:
-    return sorted((folder / TASKS).glob("[!.]*.npz"))
+    return sorted((folder / LAYOUT.results).glob("[!.]*.npz"))
 
 
 def wait_for(process: subprocess.Popen, folder: Path, count: int) -> None:
@@ -116,7 +115,7 @@ def test_a_damaged_file_is_told_and_its_runs_trained_again(config, tmp_path, cap
     after = sweep([config], folder, resume=True)
     told = capsys.readouterr().err
     assert told.startswith(f"habilis: {path}: is damaged (")
-    assert told.endswith("its runs are trained again\n")
+    assert told.endswith("; it is computed again\n")
     assert told.count("\n") == 1
     assert after.drop("seconds").equals(before.drop("seconds"))
     assert results(folder).equals(after)
@@ -126,7 +125,7 @@ def test_another_tasks_file_is_damage_too(config, tmp_path, capsys):
     folder = tmp_path / "sweep"
     before = sweep([config], folder)
     one, other = tasks_of(config)
-    files = [folder / TASKS / f"{task.name}.npz" for task in (one, other)]
+    files = [folder / LAYOUT.results / f"{task.name}.npz" for task in (one, other)]
     files[0].write_bytes(files[1].read_bytes())
     assert sweep([config], folder, resume=True).drop("seconds").equals(before.drop("seconds"))
     assert "holds runs [5, 6]" in capsys.readouterr().err
@@ -151,7 +150,7 @@ def test_more_points_and_runs_are_added_to_what_is_there(config, tmp_path):
 
     def counting(tasks, done, stopped):
         trained.extend(tasks)
-        run_tasks(tasks, done, stopped)
+        train_tasks(tasks, done, stopped)
 
     more = [config, config.changed(learning_rate=3e-3)]
     frame = sweep(more, folder, resume=True, executor=counting)
@@ -163,7 +162,7 @@ def test_more_points_and_runs_are_added_to_what_is_there(config, tmp_path):
 def test_a_result_that_comes_twice_is_kept_once(config, tmp_path):
     def twice(tasks, done, _stopped):
         for task in [*tasks, *tasks]:
-            done(task, run_task(task))
+            done(task.name, task.run())
 
     frame = sweep([config], tmp_path / "sweep", executor=twice)
     assert frame["run"].to_list() == list(range(7))
@@ -225,7 +224,7 @@ def test_a_task_whose_process_is_killed_is_run_again(config, tmp_path):
 
 
 def test_no_more_processes_are_started_than_fit_into_memory(config, tmp_path, monkeypatch):
-    monkeypatch.setattr("habilis.sweeps.local.available_memory", lambda: 100 * 2**20)
+    monkeypatch.setattr("habilis.tasks.local.available_memory", lambda: 100 * 2**20)
     told = []
     with processes(3, told.append) as executor:
         frame = sweep([config], tmp_path / "sweep", executor=executor)
@@ -235,5 +234,5 @@ def test_no_more_processes_are_started_than_fit_into_memory(config, tmp_path, mo
 
 
 def test_memory_is_counted():
-    assert memory.available_memory() > 2**20
-    assert memory.peak_memory() > 2**25
+    assert available_memory() > 2**20
+    assert peak_memory() > 2**25

@@ -4,9 +4,10 @@ import argparse
 from pathlib import Path
 
 from habilis.cli.arguments import Args
-from habilis.cli.output import print_json, refuse
+from habilis.cli.output import print_json, refuse, shows_progress
 from habilis.extras import import_from
 from habilis.files import FOLDER
+from habilis.progress import progress_bar
 
 HELP: str = "train agents where there are several tools, objects or placements, and compare rewards"
 EXAMPLE: str = "habilis study choosing two-goals unseen --out studies"
@@ -27,9 +28,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: Args) -> int:
     studies = import_from("habilis.studies.bonuses.run", "learn")
-    show = import_from("habilis.sweeps.command", "learn")
     try:
-        with show.progress_bar() as on_progress:
+        with progress_bar("tasks", shows_progress(args)) as on_progress:
             answers = studies.run_studies(
                 args.names, args.out, args.quick, args.resume, on_progress
             )

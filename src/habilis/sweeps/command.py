@@ -1,33 +1,35 @@
 """`habilis sweep` on the terminal."""
 
 from argparse import Namespace
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import polars as pl
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from habilis.extras import import_from
-from habilis.sweeps.local import processes
+from habilis.progress import progress_bar
 from habilis.sweeps.spec import Spec, read_spec
-from habilis.sweeps.sweep import Executor, OnProgress, check_place, sweep
-from habilis.sweeps.tasks import run_tasks
+from habilis.sweeps.store import LAYOUT
+from habilis.sweeps.sweep import sweep
+from habilis.sweeps.training import TrainingTask, train_tasks
+from habilis.tasks.local import processes
+from habilis.tasks.task import Executor
 
 
-def run(args: Namespace) -> dict[str, Any]:
-    """Does what the command line asks for.
+def run(args: Namespace, show_progress: bool) -> dict[str, Any]:
+    """Runs the sweep that the command line asks for.
 
     Returns:
         "points", a row a point with its settings, how many of its runs converged and their
         mean episodes; "out"; for a search also "best", the number of the best point.
     """
     spec = read_spec(args.spec)
-    check_place(args.out, args.resume)  # before a cluster is started
+    LAYOUT.check(args.out, args.resume)  # before a cluster is started
     best: dict[str, Any] = {}
-    with _executor(args) as executor, progress_bar() as on_progress:
+    bar = progress_bar("tasks", show_progress)
+    with _executor(args) as executor, bar as on_progress:
         how: Any = {"executor": executor, "resume": args.resume, "on_progress": on_progress}
         if spec.search is None:
             frame = sweep(spec.grid, args.out, **how)
@@ -39,7 +41,7 @@ def run(args: Namespace) -> dict[str, Any]:
 
 
 def summary(frame: pl.DataFrame, spec: Spec) -> pl.DataFrame:
-    """What became of each point.
+    """A summary of each point.
 
     Returns:
         One row a point: "point", the settings that differ, "runs", "converged", and
@@ -74,32 +76,9 @@ def _shown(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _executor(args: Namespace) -> AbstractContextManager[Executor]:
+def _executor(args: Namespace) -> AbstractContextManager[Executor[TrainingTask]]:
     if args.ray is not None and args.processes is not None:
-        raise ValueError("--ray and --processes are two ways to train; give one of them")
+        raise ValueError("--ray and --processes exclude each other; give one of them")
     if args.ray is not None:
-        return import_from("habilis.sweeps.cluster", "sweep").on_ray(args.ray)
-    return nullcontext(run_tasks) if args.processes is None else processes(args.processes)
-
-
-@contextmanager
-def progress_bar() -> Iterator[OnProgress]:
-    """A bar on standard error, from the first report on."""
-    columns = (
-        TextColumn("tasks"),
-        BarColumn(bar_width=20),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    bar = Progress(*columns, console=Console(stderr=True))
-    whole = bar.add_task("tasks", total=None)
-
-    def show(done: int, total: int) -> None:
-        bar.start()
-        bar.update(whole, completed=done, total=total)
-
-    try:
-        yield show
-    finally:
-        if bar.live.is_started:
-            bar.stop()
+        return import_from("habilis.tasks.cluster", "sweep").on_ray(args.ray)
+    return nullcontext(train_tasks) if args.processes is None else processes(args.processes)

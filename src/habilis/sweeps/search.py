@@ -14,8 +14,10 @@ from optuna.trial import TrialState
 from habilis.files import writing
 from habilis.sweeps import store
 from habilis.sweeps.spec import OBJECTIVES, Range, Search, Spec, default_of, split
-from habilis.sweeps.sweep import Executor, OnProgress, Session, opened, points_of
-from habilis.sweeps.tasks import run_tasks
+from habilis.sweeps.sweep import finish, points_of, train_points
+from habilis.sweeps.training import TrainingTask, train_tasks
+from habilis.tasks.session import Session, opened
+from habilis.tasks.task import Executor, OnProgress
 
 _NAME, _SPEC, _TRIALS = "habilis", "search.json", "search.db"
 
@@ -24,14 +26,14 @@ def search(
     spec: Spec,
     out: str | Path,
     *,
-    executor: Executor = run_tasks,
+    executor: Executor[TrainingTask] = train_tasks,
     resume: bool = False,
     on_progress: OnProgress | None = None,
 ) -> pl.DataFrame:
     """Searches for the configuration with the least of an objective, with Optuna's TPE.
 
-    What is tried is decided by the specification alone: a search that was interrupted goes on as
-    it would have, and one with the same seed is the same search.
+    The specification alone decides which points are tried: a search that was interrupted goes on
+    as it would have, and one with the same seed is the same search.
 
     Args:
         spec: with a `search`.
@@ -42,12 +44,12 @@ def search(
         One row a run of each point that was tried, in their order; see `store.results`.
 
     Raises:
-        ValueError, Interrupted: as `sweep`; the folder is another search's; or no point could be
+        ValueError, Interrupted: as `sweep`; the folder holds another search; or no point could be
             trained.
     """
     assert spec.search is not None
     folder, wanted = Path(out), spec.search
-    with opened(folder, resume, executor, on_progress) as session:
+    with opened(folder, store.LAYOUT, executor, resume) as session:
         _check_same(spec, folder)
         with writing(folder):
             store.write_json(folder / _SPEC, _as_dict(spec))
@@ -55,7 +57,7 @@ def search(
         storage = optuna.storages.RDBStorage(f"sqlite:///{(folder / _TRIALS).absolute()}")
         try:
             study = optuna.create_study(storage=storage, study_name=_NAME, load_if_exists=True)
-            return _search(study, spec, wanted, session)
+            return _search(study, spec, wanted, session, on_progress)
         finally:
             storage.remove_session()
             storage.engine.dispose()
@@ -70,11 +72,17 @@ def best_point(frame: pl.DataFrame, minimise: str) -> int:
     return int(min(values, key=lambda number: (values[number], number)))
 
 
-def _search(study: optuna.Study, spec: Spec, wanted: Search, session: Session) -> pl.DataFrame:
+def _search(
+    study: optuna.Study,
+    spec: Spec,
+    wanted: Search,
+    session: Session[TrainingTask],
+    on_progress: OnProgress | None,
+) -> pl.DataFrame:
     """Tries round after round.
 
-    What a round tries is chosen before any of it is looked at, so that it does not depend on what
-    happens to be finished first, and recorded when all of it is.
+    The points of a round are chosen before any of them is observed, so that they do not depend on
+    what happens to finish first, and recorded when all of them are.
     """
     points: list[store.Point] = []
     refused = ""
@@ -94,26 +102,26 @@ def _search(study: optuna.Study, spec: Spec, wanted: Search, session: Session) -
                 places.append(None)
                 if number >= len(recorded):
                     print(f"habilis: trial {number} is left out: {refused}", file=sys.stderr)
-        session.train(points)
+        train_points(points, session, on_progress)
         for number, place in enumerate(places, start=first):
             if number >= len(recorded):
                 value = None
                 if place is not None:
-                    runs = store.table([points[place]], session.outcomes)
+                    runs = store.table([points[place]], session.results)
                     value = OBJECTIVES[wanted.minimise](runs)
                 study.add_trial(_trial(chosen[number - first], wanted, value))
     if not points:
         raise ValueError(f"no point of the search can be trained; the last one: {refused}")
-    return session.finish(points)
+    return finish(points, session)
 
 
 def _choose(
-    told: Sequence[optuna.trial.FrozenTrial], wanted: Search, size: int
+    observed: Sequence[optuna.trial.FrozenTrial], wanted: Search, size: int
 ) -> list[dict[str, Any]]:
-    """The parameters of the next round: the same ones for the same that has been told."""
-    sampler = optuna.samplers.TPESampler(seed=(wanted.seed + len(told)) % 2**32)
+    """The parameters of the next round, a function of the observed trials alone."""
+    sampler = optuna.samplers.TPESampler(seed=(wanted.seed + len(observed)) % 2**32)
     study = optuna.create_study(sampler=sampler)
-    study.add_trials(told)
+    study.add_trials(observed)
     return [study.ask(_distributions(wanted)).params for _ in range(size)]
 
 
@@ -134,7 +142,7 @@ def _distributions(wanted: Search) -> dict[str, Any]:
 
 def _distribution(names: str, among: Range | list[Any]) -> Any:
     if isinstance(among, list):
-        # As text: what is chosen may be a list, which Optuna does not keep.
+        # As text: a choice may be a list, which Optuna does not keep.
         return optuna.distributions.CategoricalDistribution([json.dumps(each) for each in among])
     if isinstance(default_of(names), int):
         return optuna.distributions.IntDistribution(int(among.low), int(among.high), among.log)
@@ -142,7 +150,7 @@ def _distribution(names: str, among: Range | list[Any]) -> Any:
 
 
 def _values(parameters: Mapping[str, Any], wanted: Search) -> dict[str, Any]:
-    """The settings that Optuna's parameters stand for."""
+    """The settings that Optuna's parameters encode."""
     values: dict[str, Any] = {}
     for names, parameter in parameters.items():
         if isinstance(wanted.space[names], Range):

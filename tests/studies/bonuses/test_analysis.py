@@ -6,12 +6,14 @@ import numpy as np
 import polars as pl
 import pytest
 
+from habilis.learning.config import Config
 from habilis.learning.intervals import bootstrap_interval
+from habilis.learning.runs import Run
 from habilis.studies.bonuses.analysis import comparisons, holm, sentences, summary
 from habilis.studies.bonuses.report import Answer, write_report
 from habilis.studies.bonuses.run import STUDIES
 from habilis.studies.bonuses.study import BETAS, CONVERGENCE, FULL, Agent, Measure
-from habilis.studies.bonuses.training import first_success, points_of
+from habilis.studies.bonuses.training import episodes_of, points_of
 from habilis.studies.bonuses.weights import choose
 from habilis.studies.comparison import Outcome
 
@@ -28,7 +30,7 @@ def made_up(study, converged_at, **columns):
                 at = converged_at(agent.name, run)
                 row = {"case": case.name, "agent": agent.name, "beta": 0.1 * agent.has_bonus}
                 row |= {"seed": 0, "run": run, "converged_at": at, "first_success": 5 + run}
-                row |= {"episodes": at or 20_000, "steps": 100_000}
+                row |= {"episodes": at or 20_000, "steps": 100_000, "finite": True}
                 rows.append(row | {name: told(agent.name, run) for name, told in columns.items()})
     whole = {"converged_at": pl.Int64, "first_success": pl.Int64}
     return pl.DataFrame(rows, schema_overrides=whole, infer_schema_length=None)
@@ -136,9 +138,11 @@ def test_by_a_share_the_largest_mean_decides():
 
 
 def test_the_first_success_is_the_first_episode_that_was_not_cut_off():
-    steps = pl.DataFrame({"steps": [500, 20, 30], "return": [-500.0, -19.0, -29.0]})
-    assert first_success(steps) == 2
-    assert first_success(steps.head(1)) is None
+    steps = {"run": [1, 1, 1], "steps": [500, 20, 30], "return": [-500.0, -19.0, -29.0]}
+    whole = Run(Config(), TWO_GOALS.cases[0].world, -20.0, pl.DataFrame(steps), (None,) * 2, None)
+    assert episodes_of(whole, 1) == {"first_success": 2, "steps": 550}
+    part = replace(whole, episodes=whole.episodes.head(1))
+    assert episodes_of(part, 1) == {"first_success": None, "steps": 500}
 
 
 def test_every_bonus_has_the_same_weights_and_horizon_and_settings():

@@ -16,10 +16,13 @@ from habilis.learning.runs import Run
 from habilis.studies.bonuses import choosing
 from habilis.studies.bonuses import run as bonus_studies
 from habilis.studies.bonuses.choosing import FITTING
+from habilis.studies.bonuses.report import Answer
 from habilis.studies.bonuses.run import STUDIES
 from habilis.studies.bonuses.study import QUICK
-from habilis.studies.bonuses.training import points_of, trained
+from habilis.studies.bonuses.training import LAYOUT, points_of, trained
 from habilis.studies.bonuses.unseen import HELD_OUT
+from habilis.sweeps.training import train_tasks
+from habilis.tasks.session import opened
 from habilis.worlds.world import NO_TOOL
 
 CHOOSING, TWO_GOALS, UNSEEN = (STUDIES[name] for name in ("choosing", "two-goals", "unseen"))
@@ -142,19 +145,52 @@ def test_what_is_there_is_not_trained_again(folder, capsys):
     assert trained == {damaged}
 
 
+def train_all(points, folder, executor=train_tasks, stopped=None):
+    with opened(folder, LAYOUT, executor, resume=True) as session:
+        session.stopped = stopped or session.stopped
+        return trained(points, session)
+
+
 def test_who_is_stopped_hears_how_to_go_on(tmp_path):
     """And what is kept already is not asked for again."""
-    (tmp_path / "runs").mkdir()
     case, agent = TWO_GOALS.cases[0], TWO_GOALS.agents[0]
     points = points_of(TWO_GOALS, case, agent, 0.0, QUICK)
-    told = []
-    with pytest.raises(Interrupted, match=r"go on with --resume") as stop:
-        trained(points, TWO_GOALS.tell, tmp_path, lambda: 15, lambda: told.append(1))
-    assert (stop.value.signal, told) == (15, [])
-    one = trained(points, TWO_GOALS.tell, tmp_path, lambda: 0, lambda: told.append(1))
-    other = trained(points, TWO_GOALS.tell, tmp_path, lambda: 15, lambda: told.append(1))
+    with pytest.raises(Interrupted, match=r"0 of 1 tasks .* go on with --resume") as stop:
+        train_all(points, tmp_path / "studies", stopped=lambda: 15)
+    assert stop.value.signal == 15
+    one = train_all(points, tmp_path / "studies")
+    other = train_all(points, tmp_path / "studies", stopped=lambda: 15)
     assert one.equals(other)
-    assert len(told) == 2
+
+
+def test_a_run_that_diverges_is_recorded_and_the_others_go_on(tmp_path):
+    """Once: resuming does not train it again."""
+    case, agent = TWO_GOALS.cases[0], TWO_GOALS.agents[0]
+    wild = replace(agent, name="wild", config=agent.config.changed(learning_rate=1e30, clip=1e30))
+    budget = replace(QUICK, most=2_000)
+    points = [p for one in (wild, agent) for p in points_of(TWO_GOALS, case, one, 0.0, budget)]
+    runs = train_all(points, tmp_path / "studies")
+    assert runs.select("agent", "finite").rows() == [("wild", False)] * 2 + [(agent.name, True)] * 2
+    gone = runs.filter(agent="wild")
+    assert gone["converged_at"].null_count() == gone["first_success"].null_count() == 2
+    assert (runs.filter(agent=agent.name)["steps"] > 0).all()
+
+    def nobody(tasks, done, stopped):
+        raise AssertionError([task.label for task in tasks])
+
+    assert train_all(points, tmp_path / "studies", nobody).equals(runs)
+    study = replace(TWO_GOALS, agents=(wild, agent), pairs=((agent.name, "wild"),))
+    answer = Answer.of(study, runs)
+    assert answer.outcome[-1] == (
+        "pair, wild: 2 of 2 runs diverged (a loss or parameters became infinite or NaN); "
+        "they count as runs that never converge."
+    )
+    assert not any("diverged" in line for line in Answer.of(study, all_finite(runs)).outcome)
+
+
+def all_finite(runs):
+    """The same runs, none of which diverged."""
+    return runs.with_columns(finite=pl.lit(True))
 
 
 @pytest.mark.parametrize(

@@ -138,3 +138,18 @@ def sentences(study: Study, compared: Sequence[Comparison]) -> list[str]:
                 f"{case.name}: by {study.measures[0].title}, {agent} is {'; '.join(parts)}."
             )
     return told
+
+
+def divergences(runs: pl.DataFrame) -> list[str]:
+    """A sentence for each case and agent of which runs diverged."""
+    found = []
+    for (case, agent), part in runs.group_by("case", "agent", maintain_order=True):
+        count = int((~part["finite"]).sum())
+        if count:
+            one = "it counts as a run that never converges"
+            several = "they count as runs that never converge"
+            found.append(
+                f"{case}, {agent}: {count} of {len(part)} runs diverged (a loss or parameters "
+                f"became infinite or NaN); {one if count == 1 else several}."
+            )
+    return found

@@ -8,7 +8,13 @@ from typing import Any
 import polars as pl
 
 from habilis.files import write_whole, writing
-from habilis.studies.bonuses.analysis import Comparison, comparisons, sentences, summary
+from habilis.studies.bonuses.analysis import (
+    Comparison,
+    comparisons,
+    divergences,
+    sentences,
+    summary,
+)
 from habilis.studies.bonuses.study import HORIZON, QUICK, Budget, Study
 from habilis.studies.page import inlined, render
 from habilis.worlds.pictures.figures import save_figure
@@ -39,7 +45,7 @@ class Answer:
     @property
     def outcome(self) -> list[str]:
         """In words."""
-        return sentences(self.study, self.compared)
+        return [*sentences(self.study, self.compared), *divergences(self.runs)]
 
     def as_dict(self) -> dict[str, Any]:
         """For machines."""

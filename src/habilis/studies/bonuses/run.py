@@ -5,21 +5,20 @@ from pathlib import Path
 
 import polars as pl
 
-from habilis.files import check_folder, check_unused, writing
-from habilis.interruption import locked, stop_signals
 from habilis.studies.bonuses.choosing import STUDY as CHOOSING
 from habilis.studies.bonuses.report import PAGE as PAGE
 from habilis.studies.bonuses.report import Answer, write_report
 from habilis.studies.bonuses.study import BETAS, FULL, QUICK, Agent, Budget, Case, Study
-from habilis.studies.bonuses.training import RUNS, Point, points_of, trained
+from habilis.studies.bonuses.training import LAYOUT, Point, points_of, trained
 from habilis.studies.bonuses.two_goals import STUDY as TWO_GOALS
 from habilis.studies.bonuses.unseen import STUDY as UNSEEN
 from habilis.studies.bonuses.weights import choose
+from habilis.sweeps.training import train_tasks
+from habilis.tasks.session import opened
+from habilis.tasks.task import OnProgress
 
 STUDIES = {study.name: study for study in (CHOOSING, TWO_GOALS, UNSEEN)}
 
-OnProgress = Callable[[int, int], None]
-"""Told how many parts are there, and of how many."""
 Weigh = Callable[[Case, Agent], float]
 
 
@@ -38,7 +37,7 @@ def run_studies(
             what has been trained.
         quick: whether to train too little to say anything, to see that it works.
         resume: whether to go on in a folder of studies.
-        on_progress: called whenever a part is there.
+        on_progress: called whenever a task is finished.
 
     Returns:
         An answer a study.
@@ -50,25 +49,25 @@ def run_studies(
     studies = [_named(name) for name in dict.fromkeys(names or STUDIES)]
     budget = QUICK if quick else FULL
     folder = Path(out)
-    _open(folder, resume)
-    with locked(folder), stop_signals() as stopped:
-        total = sum(len(_tried(s, budget)) + len(_final(s, budget, _any)) for s in studies)
-        done = 0
+    with opened(folder, LAYOUT, train_tasks, resume) as session:
+        whole = [p for s in studies for p in (*_tried(s, budget), *_final(s, budget, _any))]
+        total, before = sum(len(point.tasks) for point in whole), 0
 
-        def tell() -> None:
-            nonlocal done
-            done += 1
+        def train(points: Sequence[Point]) -> pl.DataFrame:
+            nonlocal before
+            frame = trained(points, session, report)
+            before += sum(len(point.tasks) for point in points)
+            return frame
+
+        def report(done: int, _: int) -> None:
             if on_progress is not None:
-                on_progress(done, total)
-
-        def train(study: Study, points: Sequence[Point]) -> pl.DataFrame:
-            return trained(points, study.tell, folder, stopped, tell)
+                on_progress(before + done, total)
 
         answers = []
         for study in studies:
-            weights = choose(train(study, _tried(study, budget)), study.measures[0])
+            weights = choose(train(_tried(study, budget)), study.measures[0])
             points = _final(study, budget, lambda c, a, w=weights: w.get((c.name, a.name), 0.0))
-            answers.append(Answer.of(study, train(study, points)))
+            answers.append(Answer.of(study, train(points)))
         write_report(answers, budget, folder)
         return answers
 
@@ -77,15 +76,6 @@ def _named(name: str) -> Study:
     if name not in STUDIES:
         raise ValueError(f"no study {name!r}; name one of {', '.join(STUDIES)}")
     return STUDIES[name]
-
-
-def _open(folder: Path, resume: bool) -> None:
-    there = resume and folder.is_dir() and any(folder.iterdir())
-    check_folder(folder) if there else check_unused(folder)
-    if there and not (folder / RUNS).is_dir():
-        raise ValueError(f"{folder}: holds no studies to go on with; name another folder")
-    with writing(folder):
-        (folder / RUNS).mkdir(parents=True, exist_ok=True)
 
 
 def _tried(study: Study, budget: Budget) -> list[Point]:

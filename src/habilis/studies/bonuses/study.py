@@ -9,16 +9,13 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from habilis.learning.config import NO_INTRINSIC, NOVELTIES, Config
-from habilis.learning.runs import Run
+from habilis.sweeps.training import RunMeasure
 from habilis.worlds.world import World
 
 HORIZON = 4
 """Of every empowerment. It was fixed after pilots with 3 and 4, and is not searched."""
 BETAS = (0.03, 0.1, 0.3)
 """The weights among which that of every bonus is chosen, the same for all of them."""
-
-Tell = Callable[[Run, int], Mapping[str, float | None]]
-"""What a study wants to know of a run, by its index in a `Run`."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +111,7 @@ class Study:
         agents: which are.
         pairs: those held against each other, each an agent's name and another's.
         measures: what its table has; the first one decides, also among weights.
-        tell: what it wants to know of a run besides episodes to first success and convergence.
+        tell: measurements of a run besides episodes to first success and convergence.
         figure: its picture, from `analysis.summary` and the table of runs.
         caption: under it.
         steps: of the environment, after which a run is given up.
@@ -127,7 +124,7 @@ class Study:
     agents: tuple[Agent, ...]
     pairs: tuple[tuple[str, str], ...]
     measures: tuple[Measure, ...]
-    tell: Tell
+    tell: RunMeasure
     figure: Callable[[pl.DataFrame, pl.DataFrame], Figure]
     caption: str
     steps: int

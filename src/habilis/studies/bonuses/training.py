@@ -1,43 +1,52 @@
-"""The runs of a study: trained side by side, each kept as soon as it is there."""
+"""The runs of a study, as tasks."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import polars as pl
 
-from habilis.files import write_whole, writing
-from habilis.interruption import Interrupted
-from habilis.learning.batches import room, train_jobs
 from habilis.learning.config import Config
-from habilis.learning.jobs import Job
 from habilis.learning.runs import Run
-from habilis.studies.bonuses.study import Agent, Budget, Case, Study, Tell
-from habilis.sweeps.tasks import Task
+from habilis.studies.bonuses.study import Agent, Budget, Case, Study
+from habilis.sweeps.training import COLUMNS, TrainingTask, outcomes, tasks_of
+from habilis.tasks.session import Layout, Session
+from habilis.tasks.task import Arrays, OnProgress
 
-RUNS = "runs"
-"""The folder of what is kept, in a folder of studies."""
+LAYOUT = Layout("studies", mark="runs", results="runs")
+"""The folder of studies."""
 TRIED_SEED = 1_000
-"""Where the seeds begin of the runs by which weights are chosen."""
-
-OnPoint = Callable[[], None]
+"""The first seed of the runs by which weights are chosen."""
 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """Some runs of one agent in one case."""
+    """Some runs of one agent in one case of a study."""
 
+    study: Study
     case: Case
     agent: Agent
     config: Config
 
     @cached_property
-    def name(self) -> str:
-        """The same for the same settings, map and runs."""
-        return Task(self.config, self.case.world, tuple(range(self.config.runs))).name
+    def tasks(self) -> list[TrainingTask]:
+        return tasks_of(self.config, self.case.world, (episodes_of, self.study.tell))
+
+    def rows(self, results: Mapping[str, Arrays]) -> list[dict[str, Any]]:
+        """A row for each of its runs; see `trained`."""
+        names = {"case": self.case.name, "agent": self.agent.name}
+        names |= {"beta": self.config.beta, "seed": self.config.seed}
+        rows = []
+        for outcome in (row for task in self.tasks for row in outcomes(results[task.name])):
+            row = {"run": outcome["run"], "converged_at": outcome["converged_at"]}
+            row |= {"first_success": outcome.get("first_success")}
+            row |= {"episodes": outcome["episodes_had"], "steps": outcome.get("steps")}
+            known = (*row, *COLUMNS, "curve")
+            row |= {name: value for name, value in outcome.items() if name not in known}
+            rows.append(names | row | {"finite": outcome["finite"]})
+        return rows
 
 
 def points_of(
@@ -59,112 +68,48 @@ def points_of(
     config = agent.config.changed(world=case.world.name, **case.settings, **weight)
     config = config.changed(steps=steps, episodes=steps, runs=runs, seed=seed)
     if not config.starts:
-        return [Point(case, agent, config)]
+        return [Point(study, case, agent, config)]
     alone = [config.changed(runs=1, seed=k, starts_seed=k) for k in range(seed, seed + runs)]
-    return [Point(case, agent, one) for one in alone]
+    return [Point(study, case, agent, one) for one in alone]
 
 
 def trained(
-    points: Sequence[Point],
-    tell: Tell,
-    folder: Path,
-    stopped: Callable[[], int],
-    on_point: OnPoint,
+    points: Sequence[Point], session: Session[TrainingTask], on_progress: OnProgress | None = None
 ) -> pl.DataFrame:
-    """What the runs of some points came to, those in the folder as they are there.
+    """The runs of some points, of which the finished ones are not trained again.
 
     Args:
         points: what to train.
-        tell: the study's.
-        folder: of the studies.
-        stopped: asked now and then whether to leave it at that: 0, or the signal that came.
-        on_point: called whenever a point is there.
+        session: the folder of studies.
+        on_progress: called first, and after each task.
 
     Returns:
         A row a run: "case", "agent", "beta", "seed", "run", "converged_at", "first_success" (in
-        episodes, null where it never was), "episodes", "steps", and what `tell` says.
+        episodes, null where it never was), "episodes", "steps" (of these), the study's measures,
+        and "finite": false for a run that diverged, which has no measures and counts as not
+        converged.
 
     Raises:
         Interrupted: before all was there; what is finished is kept.
     """
-    kept = {point.name: frame for point in points if (frame := _kept(point, folder)) is not None}
-    for _ in kept:
-        on_point()
-
-    def done(point: Point, run: Run) -> None:
-        kept[point.name] = _rows(run, tell)
-        with writing(folder):
-            write_whole(_path(point, folder), kept[point.name].write_parquet)
-        on_point()
-
-    missing = [point for point in points if point.name not in kept]
-    if missing and not stopped():
-        _train(missing, done, stopped)
-    left = sum(point.name not in kept for point in points)
-    if left:
-        raise Interrupted(
-            f"stopped; what is finished is kept in {folder}: go on with --resume", int(stopped())
-        )
-    frames = [_named(point, kept[point.name]) for point in points]
-    return pl.concat(frames, how="vertical_relaxed")
+    session.compute([task for point in points for task in point.tasks], on_progress)
+    rows = [row for point in points for row in point.rows(session.results)]
+    measures = {m.column: None for point in points for m in point.study.measures}
+    every = dict.fromkeys(name for row in rows for name in row | measures)
+    names = [*(name for name in every if name != "finite"), "finite"]
+    counts = ("run", "converged_at", "first_success", "episodes", "steps")
+    types: dict[Any, Any] = dict.fromkeys(measures, pl.Float64) | dict.fromkeys(counts, pl.Int64)
+    columns = {name: [row.get(name) for row in rows] for name in names}
+    return pl.DataFrame(columns, infer_schema_length=None).cast(types)
 
 
-def _train(
-    points: Sequence[Point], done: Callable[[Point, Run], None], stopped: Callable[[], int]
-) -> None:
-    playing: dict[int, tuple[Point, Job]] = {}
+def episodes_of(run: Run, index: int) -> dict[str, float | None]:
+    """The steps of a run's episodes, and how many these were up to its first success.
 
-    def jobs() -> Iterator[Job]:
-        for number, point in enumerate(points):
-            job = Job.of(number, point.config, point.case.world)
-            playing[number] = point, job
-            yield job
-
-    def look(progress: Any) -> None:
-        if progress.ended == progress.runs:
-            point, job = playing.pop(progress.config)
-            done(point, job.result())
-
-    train_jobs(jobs(), look, stopped=stopped, at_once=room())
-
-
-def _named(point: Point, rows: pl.DataFrame) -> pl.DataFrame:
-    config = point.config
-    names = {"case": point.case.name, "agent": point.agent.name, "beta": config.beta}
-    columns = [pl.lit(value).alias(name) for name, value in (names | {"seed": config.seed}).items()]
-    return rows.select(*columns, pl.all())
-
-
-def _rows(run: Run, tell: Tell) -> pl.DataFrame:
-    rows = []
-    for index, at in enumerate(run.converged_at):
-        episodes = run.episodes.filter(run=index)
-        rows.append(
-            {"run": index, "converged_at": at, "first_success": first_success(episodes)}
-            | {"episodes": len(episodes), "steps": int(episodes["steps"].sum())}
-            | dict(tell(run, index))
-        )
-    whole = {"converged_at": pl.Int64, "first_success": pl.Int64}
-    return pl.DataFrame(rows, schema_overrides=whole, infer_schema_length=None)
-
-
-def first_success(episodes: pl.DataFrame) -> int | None:
-    """After how many episodes the goal is reached for the first time; `None` if it never is.
-
-    Args:
-        episodes: of one run, in order; one that is cut off gets -1 for its last step too.
+    "first_success" is `None` if it never reaches the goal: an episode that is cut off gets -1 for
+    its last step too.
     """
+    episodes = run.episodes.filter(run=index)
     reached = np.flatnonzero(episodes["return"].to_numpy() > -episodes["steps"].to_numpy())
-    return int(reached[0]) + 1 if len(reached) else None
-
-
-def _path(point: Point, folder: Path) -> Path:
-    return folder / RUNS / f"{point.name}.parquet"
-
-
-def _kept(point: Point, folder: Path) -> pl.DataFrame | None:
-    """What is in the folder of a point; nothing if that is damaged."""
-    try:
-        return pl.read_parquet(_path(point, folder))
-    except (OSError, pl.exceptions.PolarsError):
-        return None
+    first = int(reached[0]) + 1 if len(reached) else None
+    return {"first_success": first, "steps": int(episodes["steps"].sum())}

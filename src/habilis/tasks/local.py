@@ -1,6 +1,7 @@
-"""Tasks on this machine: in this process, or in several."""
+"""Tasks in several processes on this machine, as many as there is memory for."""
 
 import os
+import resource
 import signal
 import sys
 import threading
@@ -11,46 +12,44 @@ from dataclasses import dataclass
 from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from typing import Any
 
-from habilis.learning.batches import train_jobs
-from habilis.learning.jobs import Job
-from habilis.sweeps.memory import available_memory, peak_memory
-from habilis.sweeps.sweep import Executor, Stopped
-from habilis.sweeps.tasks import Done, Task, run_task
+from habilis.tasks.task import Arrays, Done, Executor, Stopped, Task
 
 MARGIN = 1.25
-"""How much more memory than the first process took another one is given."""
+"""Memory allowed for each further process, relative to what the first one needed."""
 
 _PATIENCE = 3  # processes that may be lost to one task
 _LOOK = 0.5  # seconds between two looks at whether to stop
+_CGROUP = Path("/sys/fs/cgroup")  # where Linux states what a container may use
 
 
 @dataclass(eq=False)
 class _Worker:
-    """A process that trains one task after another, and our end of the line to it."""
+    """A process that runs one task after another, and our end of the pipe to it."""
 
     process: BaseProcess
-    line: Any  # a connection, whose class depends on the system
+    pipe: Any  # a connection, whose class depends on the system
     task: Task | None = None
 
 
 @contextmanager
 def processes(
-    count: int, tell: Callable[[str], None] = lambda line: print(line, file=sys.stderr)
-) -> Iterator[Executor]:
+    count: int, warn: Callable[[str], None] = lambda line: print(line, file=sys.stderr)
+) -> Iterator[Executor[Task]]:
     """An executor with processes of its own, each with one task at a time.
 
-    The first one tries the largest world for a stretch; how much memory that took decides how many
-    of the others fit into what is available. A task whose process is lost is run again.
+    The first process rehearses the largest task; the memory that this needs decides how many
+    others fit into what is available. A task whose process is lost is run again.
 
     Args:
-        count: how many processes to start at most.
-        tell: told in a line if fewer are started.
+        count: of processes, at most.
+        warn: called with a line if fewer are started.
 
     Raises:
-        ValueError: there are to be less than one; or, when it is used, a task that cannot be
-            trained, or whose processes are lost again and again.
+        ValueError: `count` is below 1; or, when the executor is used, a task fails, or its
+            processes are lost again and again.
     """
     if count < 1:
         raise ValueError(f"processes is {count}; give at least 1")
@@ -60,7 +59,7 @@ def processes(
     def run(tasks: Sequence[Task], done: Done, stopped: Stopped) -> None:
         if not room:
             workers.append(_start())
-            room.append(_how_many(count, workers[0], tasks, tell, stopped))
+            room.append(_how_many(count, workers[0], tasks, warn, stopped))
         waiting, lost = deque(tasks), dict[str, int]()
         while not stopped():
             while waiting and len(workers) < min(room[0], len(waiting) + _busy(workers)):
@@ -70,8 +69,8 @@ def processes(
                     _give(worker, waiting.popleft())
             if not _busy(workers):
                 return
-            for line in wait([w.line for w in workers], _LOOK):
-                worker = next(w for w in workers if w.line is line)
+            for pipe in wait([w.pipe for w in workers], _LOOK):
+                worker = next(w for w in workers if w.pipe is pipe)
                 task, answer = worker.task, _answer(worker)
                 worker.task = None
                 if answer is None:
@@ -81,7 +80,7 @@ def processes(
                         _check_patience(task, lost[task.name])
                         waiting.appendleft(task)
                 elif task is not None:
-                    done(task, answer)
+                    done(task.name, answer)
 
     try:
         yield run
@@ -90,31 +89,30 @@ def processes(
             worker.process.kill()
         for worker in workers:
             worker.process.join()
-            worker.line.close()
+            worker.pipe.close()
 
 
 def _how_many(
     count: int,
     first: _Worker,
     tasks: Sequence[Task],
-    tell: Callable[[str], None],
+    warn: Callable[[str], None],
     stopped: Stopped,
 ) -> int:
-    """How many processes there is memory for."""
+    """The number of processes that there is memory for."""
     if count == 1:
         return 1
-    largest = max(tasks, key=lambda task: task.world.height * task.world.width)
-    first.line.send((_try, largest))
-    while not first.line.poll(_LOOK):
+    first.pipe.send((_needed_memory, max(tasks, key=lambda task: task.size)))
+    while not first.pipe.poll(_LOOK):
         if stopped():
             return 1
-    took = _answer(first)
-    if took is None:
-        raise ValueError("a process to train in was lost at once; free some memory")
-    each = MARGIN * took
+    needed = _answer(first)
+    if needed is None:
+        raise ValueError("the first process was lost at its first task; free some memory")
+    each = MARGIN * needed
     room = 1 + int(available_memory() // each)
     if room < count:
-        tell(
+        warn(
             f"habilis: {room} of {count} processes fit into memory, at {each / 2**20:,.0f} MiB each"
         )
     return min(count, room)
@@ -127,8 +125,8 @@ def _busy(workers: Sequence[_Worker]) -> int:
 def _check_patience(task: Task, times: int) -> None:
     if times >= _PATIENCE:
         raise ValueError(
-            f"{task.world.name}: {times} processes were lost while they trained runs "
-            f"{task.runs[0]} to {task.runs[-1]}; give fewer --processes, or free some memory"
+            f"{task.label}: {times} processes were lost at this task; give fewer --processes, "
+            "or free some memory"
         )
 
 
@@ -137,8 +135,8 @@ def _start() -> _Worker:
     context = get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_work, args=(theirs,), daemon=True)
-    resource_tracker.ensure_running()  # which lets signals through again that are held back
-    # Ctrl-C goes to all processes of a terminal, and is for us alone to answer.
+    resource_tracker.ensure_running()  # which unblocks signals that are blocked
+    # Ctrl-C goes to all processes of a terminal; this one alone answers it.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         process.start()
@@ -150,42 +148,62 @@ def _start() -> _Worker:
 
 def _give(worker: _Worker, task: Task) -> None:
     worker.task = task
-    with suppress(OSError):  # it is lost, as will be seen when its answer is looked for
-        worker.line.send((run_task, task))
+    with suppress(OSError):  # it is lost, which shows when its answer is read
+        worker.pipe.send((_run, task))
 
 
 def _answer(worker: _Worker) -> Any:
-    """What a worker has to say; `None` if it is lost."""
+    """The answer of a worker; `None` if it is lost."""
     try:
-        answer = worker.line.recv()
+        answer = worker.pipe.recv()
     except (EOFError, OSError):
         worker.process.kill()
         worker.process.join()
-        worker.line.close()
+        worker.pipe.close()
         return None
     if isinstance(answer, Exception):
         raise answer
     return answer
 
 
-def _work(line: Connection) -> None:
-    """What a worker does until it is ended."""
+def _work(pipe: Connection) -> None:
+    """The loop of a worker, until it is killed."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
-        work, task = line.recv()
+        function, task = pipe.recv()
         try:
-            answer = work(task)
+            answer = function(task)
         except Exception as error:
             answer = error
-        line.send(answer)
+        pipe.send(answer)
 
 
-def _try(task: Task) -> int:
-    """Trains a task for a stretch; what this process took at most."""
-    over = threading.Event()
-    job = Job.of(0, task.config, task.world, task.runs)
-    train_jobs([job], on_stretch=over.set, stopped=over.is_set)
+def _run(task: Task) -> Arrays:
+    return task.run()
+
+
+def _needed_memory(task: Task) -> int:
+    task.rehearse()
     return peak_memory()
+
+
+def available_memory() -> int:
+    """Bytes that new processes can use without pushing others out."""
+    free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    meminfo = Path("/proc/meminfo")
+    if meminfo.exists():  # it counts what the system frees as soon as someone needs the room
+        sizes = dict(line.split(":") for line in meminfo.read_text().splitlines())
+        free = int(sizes["MemAvailable"].split()[0]) * 1024
+    limit, used = _CGROUP / "memory.max", _CGROUP / "memory.current"
+    if limit.exists() and used.exists() and limit.read_text().strip() != "max":
+        free = min(free, int(limit.read_text()) - int(used.read_text()))
+    return max(0, free)
+
+
+def peak_memory() -> int:
+    """The most bytes that this process has used."""
+    unit = 1 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
 
 
 def _end_with_parent() -> None:

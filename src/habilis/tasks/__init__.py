@@ -1,0 +1,1 @@
+"""Many independent computations: kept, resumed, on local processes or a Ray cluster."""

@@ -1,0 +1,172 @@
+"""The engine, on tasks that have nothing to do with learning."""
+
+import os
+import re
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import habilis.tasks
+from habilis.interruption import Interrupted
+from habilis.tasks.local import processes
+from habilis.tasks.session import Layout, opened
+from habilis.tasks.task import Executor, Task, in_turn
+
+LAYOUT = Layout("squares", mark="squares.txt")
+
+
+@dataclass(frozen=True)
+class Square:
+    """The square of a number."""
+
+    number: int
+
+    @property
+    def name(self) -> str:
+        return f"square-{self.number}"
+
+    @property
+    def label(self) -> str:
+        return f"the square of {self.number}"
+
+    @property
+    def size(self) -> float:
+        return self.number
+
+    def run(self):
+        return {"number": np.array(self.number), "square": np.array(self.number**2)}
+
+    def rehearse(self) -> None:
+        self.run()
+
+    def check(self, result) -> None:
+        if int(result["number"]) != self.number:
+            raise ValueError(f"holds the square of {result['number']}")
+
+
+SQUARES = [Square(number) for number in range(5)]
+
+
+def squares(results):
+    return {name: int(result["square"]) for name, result in results.items()}
+
+
+ALL = {task.name: task.number**2 for task in SQUARES}
+
+
+def test_the_engine_knows_nothing_of_what_it_computes():
+    sources = [path.read_text() for path in Path(habilis.tasks.__file__ or "").parent.glob("*.py")]
+    assert len(sources) > 3
+    imported = {name for text in sources for name in re.findall(r"habilis\.([a-z]+)", text)}
+    assert imported == {"files", "interruption", "tasks"}
+
+
+def test_a_task_and_an_executor_are_protocols():
+    assert isinstance(SQUARES[0], Task)
+    assert isinstance(in_turn, Executor)
+
+
+def test_results_are_kept_and_not_computed_again(tmp_path):
+    progress, computed = [], []
+
+    def executor(tasks, done, stopped):
+        computed.extend(task.name for task in tasks)
+        in_turn(tasks, done, stopped)
+
+    folder = tmp_path / "squares"
+    with opened(folder, LAYOUT, executor, resume=False) as session:
+        session.compute(SQUARES[:2])
+        session.compute(SQUARES[:3], lambda done, known: progress.append((done, known)))
+        assert squares(session.results) == {task.name: task.number**2 for task in SQUARES[:3]}
+    assert computed == ["square-0", "square-1", "square-2"]
+    assert progress == [(2, 3), (3, 3)]
+    kept = {path: path.read_bytes() for path in (folder / "tasks").iterdir()}
+    with opened(folder, LAYOUT, executor, resume=True) as session:
+        session.compute(SQUARES)
+        assert squares(session.results) == ALL
+    assert computed == [task.name for task in SQUARES]
+    assert {path: path.read_bytes() for path in kept} == kept
+
+
+def test_whoever_stops_hears_how_to_go_on(tmp_path):
+    def one(tasks, done, stopped):
+        in_turn(tasks[:1], done, stopped)
+
+    folder = tmp_path / "squares"
+    with opened(folder, LAYOUT, one, resume=False) as session:
+        with pytest.raises(Interrupted, match=rf"1 of 5 tasks are kept in {folder}: go on with"):
+            session.compute(SQUARES)
+        session.stopped = lambda: 15
+        with pytest.raises(Interrupted, match="1 of 5 tasks") as stop:
+            session.compute(SQUARES)
+        assert stop.value.signal == 15
+    calls = []
+    in_turn(SQUARES, lambda name, result: calls.append(name), lambda: len(calls) == 2)
+    assert calls == ["square-0", "square-1"]
+
+
+def test_a_file_of_another_task_is_damage(tmp_path, capsys):
+    folder = tmp_path / "squares"
+    with opened(folder, LAYOUT, in_turn, resume=False) as session:
+        session.compute(SQUARES)
+    one, other = (folder / "tasks" / f"square-{number}.npz" for number in (2, 3))
+    one.write_bytes(other.read_bytes())
+    with opened(folder, LAYOUT, in_turn, resume=True) as session:
+        session.compute(SQUARES)
+        assert squares(session.results) == ALL
+    line = f"habilis: {one}: is damaged (holds the square of 3); it is computed again\n"
+    assert capsys.readouterr().err == line
+
+
+def test_a_folder_of_something_else_is_refused_and_one_of_ours_is_not(tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "letters.txt").write_text("mine")
+    with pytest.raises(ValueError, match="exists already"):
+        LAYOUT.check(other, resume=False)
+    with pytest.raises(ValueError, match="other: holds no squares to go on with; name another"):
+        LAYOUT.check(other, resume=True)
+    (other / LAYOUT.mark).write_text("")
+    LAYOUT.check(other, resume=True)
+    with opened(tmp_path / "begun", LAYOUT, in_turn, resume=True):
+        pass
+    LAYOUT.check(tmp_path / "begun", resume=True)
+
+
+@dataclass(frozen=True)
+class Slow(Square):
+    """One that marks when it begins and ends, and which process computes it."""
+
+    folder: Path = Path()
+
+    def run(self):
+        began, end = time.time(), self.folder / f"ended-{self.number}"
+        time.sleep(0.1)
+        end.write_text(str(os.getpid()))
+        return super().run() | {"began": np.array(began)}
+
+
+def test_processes_compute_what_this_process_would(tmp_path):
+    tasks = [Slow(number, tmp_path) for number in range(5)]
+    with processes(2) as executor, opened(tmp_path / "f", LAYOUT, executor, False) as session:
+        session.compute(tasks)
+        assert squares(session.results) == ALL
+    computed_by = {int((tmp_path / f"ended-{task.number}").read_text()) for task in tasks}
+    assert os.getpid() not in computed_by
+    assert 1 <= len(computed_by) <= 2
+
+
+@dataclass(frozen=True)
+class Lost(Square):
+    def run(self):
+        os._exit(1)
+
+
+def test_a_task_that_loses_process_after_process_is_given_up(tmp_path):
+    with processes(1) as executor, opened(tmp_path / "f", LAYOUT, executor, False) as session:
+        line = "the square of 7: 3 processes were lost at this task; give fewer --processes"
+        with pytest.raises(ValueError, match=line):
+            session.compute([Lost(7)])
