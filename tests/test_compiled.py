@@ -32,7 +32,7 @@ print(*persistence(mdp, "object")[:9].round(9))
 
 
 def computed(environment: dict[str, str], package: Path) -> subprocess.CompletedProcess:
-    """What a process that has this package and this environment computes."""
+    """The output of a process with this package and this environment."""
     code = COMPUTE.format(place=str(package))
     return run(["-W", "error", "-c", code], environment | {"PYTHONPATH": str(package)})
 
@@ -47,7 +47,7 @@ def run(arguments: list[str], environment: dict[str, str]) -> subprocess.Complet
 
 @pytest.fixture(scope="module")
 def usual():
-    """What is computed where there are homes and caches."""
+    """The output with a home and a cache."""
     done = computed({"HOME": os.environ["XDG_CACHE_HOME"]}, PACKAGE.parent)
     assert done.returncode == 0, done.stderr
     return done.stdout

@@ -1,4 +1,4 @@
-"""Tables of environments that nobody here wrote are what the environments do."""
+"""Tables of third-party environments match the environments."""
 
 import json
 import re
@@ -260,7 +260,7 @@ def test_an_environment_whose_state_can_be_set_need_not_be_copied():
     assert env.at == 1
 
 
-def test_a_key_tells_which_states_are_one():
+def test_a_key_defines_which_states_are_equal():
     mdp = TabularMDP.from_gymnasium(Counter(), key=lambda env: (env.at, env.at == env.most))
     assert mdp.states == 6
     with pytest.raises(ValueError, match="its transitions depend on what key= leaves out"):
@@ -279,7 +279,7 @@ class DiceInVain(Counter):
         return super().step(action)
 
 
-def test_chance_is_found_out():
+def test_randomness_is_detected():
     with pytest.raises(ValueError, match="action 0 in state 0 has more than one outcome"):
         TabularMDP.from_gymnasium(Dice())
     assert TabularMDP.from_gymnasium(DiceInVain(), ignore=("steps",)).states == 6
@@ -306,7 +306,7 @@ class ManyActions(Counter):
         ("FrozenLake-v1", "'FrozenLake-v1' is no Gymnasium environment; give what gymnasium.make"),
     ],
 )
-def test_what_cannot_be_tabulated_is_refused_with_the_mend(env: Any, message: str):
+def test_what_cannot_be_tabulated_is_refused_with_the_fix(env: Any, message: str):
     with pytest.raises(ValueError, match=re.escape(message)):
         TabularMDP.from_gymnasium(env)
 

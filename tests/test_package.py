@@ -1,4 +1,4 @@
-"""What importing and installing promise."""
+"""Guarantees of importing and installing."""
 
 import re
 import subprocess

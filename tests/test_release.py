@@ -1,4 +1,4 @@
-"""What is released: packages that install and run from anywhere, and what is told of them."""
+"""Releases: packages that install and run from anywhere, and their metadata."""
 
 import math
 import os
@@ -29,7 +29,7 @@ def apart():
 
 
 def ran(*command, where, **environment):
-    """What a command prints, in a folder, without our sources on its path."""
+    """The output of a command, in a folder, without our sources on its path."""
     done = subprocess.run(
         [str(word) for word in command],
         cwd=where,
@@ -42,7 +42,7 @@ def ran(*command, where, **environment):
 
 
 def sources():
-    """What a fresh clone has, as paths from its root; from an unpacked sdist, what that has."""
+    """The files of a fresh clone, or of an unpacked sdist, as paths from its root."""
     if (ROOT / ".git").exists():
         return [Path(name) for name in ran("git", "ls-files", where=ROOT).splitlines()]
     made = {".venv", "__pycache__", "site", "dist", ".pytest_cache", "PKG-INFO"}

@@ -67,7 +67,7 @@ class Study:
 
     @classmethod
     def read(cls, folder: Path) -> "Study":
-        """What `report.write_study` wrote; the runs without their learning curves."""
+        """The data written by `report.write_study`; runs have no learning curves."""
         names = ("runs", "multiverse", "maps", "optima", "rows")
         return cls(**{n: pl.read_csv(folder / f"{n}.csv", infer_schema_length=None) for n in names})
 
@@ -82,7 +82,7 @@ class Study:
 
 
 def joined(agents: list[Agent], results: pl.DataFrame) -> pl.DataFrame:
-    """What the runs of a sweep over the agents came to, with what names each agent."""
+    """The results of a sweep over the agents, with the columns that identify an agent."""
     names = [{key: getattr(agent, key) for key in claims.KEYS} for agent in agents]
     keys = pl.DataFrame(names).with_row_index("point").cast({"point": pl.Int64})
     own = (
@@ -98,7 +98,7 @@ def joined(agents: list[Agent], results: pl.DataFrame) -> pl.DataFrame:
 
 
 def optima() -> pl.DataFrame:
-    """What the regularised rewards of the multiverse ask for, exactly."""
+    """Optimal policies for the regularised rewards of the multiverse."""
     discount = frozen_settings()["discount"]
     found = []
     for world, tool, rewards in WORLDS:
@@ -127,8 +127,8 @@ def rows(runs: pl.DataFrame) -> pl.DataFrame:
     Returns:
         A row an agent: `claims.KEYS`, "converged" (of the runs), the interquartile mean of the
         episodes to convergence with its 95 % bootstrap interval ("middle", "low", "high"; null
-        where too many runs were given up), "superiority" over the vanilla agent of its world and
-        tool with its interval, "p", and "final_return", the median over the runs.
+        where too many runs exceeded their budget), "superiority" over the vanilla agent of its
+        world and tool with its interval, "p", and "final_return", the median over the runs.
     """
     found = []
     for key, part in runs.group_by(*claims.KEYS, maintain_order=True):
@@ -149,7 +149,7 @@ def aggregate(runs: pl.DataFrame) -> pl.DataFrame:
 
     The score of a run is its episodes to first success (`claims.counts`) over the mean of the
     vanilla agent's in the same world with the same tool. Not those to convergence: these have no
-    mean where a run was given up.
+    mean if a run exceeded its budget.
 
     Returns:
         A row for "vanilla" and each way of giving TOE: the scores' IQM and its stratified interval.
@@ -186,7 +186,7 @@ def paper_curves(runs: pl.DataFrame) -> dict[str, dict[str, np.ndarray]]:
     """Learning curves of the paper's agents, by world and agent: float[runs, blocks].
 
     A run that has converged is carried on at its last value; the curves of an agent end where the
-    first of its runs ends that was given up.
+    first of its runs over budget ends.
     """
     shaping = runs.filter(part="shaping", how="plain")
     betas = _paper_betas()
@@ -216,7 +216,8 @@ def _paper_betas() -> dict[tuple[str, str, str], float]:
 def iqm(counts: np.ndarray) -> tuple[float | None, float | None, float | None]:
     """The interquartile mean of counts and the ends of its interval, null where infinite.
 
-    A run that was given up counts as infinite: it is among the upper quarter, or there is no mean.
+    A run that exceeded its budget counts as infinite: it is among the upper quarter, or there is no
+    mean.
     """
     low, high = bootstrap_interval(_large(counts), interquartile_mean)
     middle = float(interquartile_mean(counts))
@@ -233,7 +234,7 @@ def _finite(value: float) -> float | None:
 
 
 def _superiority(counts: np.ndarray, bare: np.ndarray) -> tuple[float, float]:
-    """The interval of P(sooner than vanilla), runs of both drawn anew (rliable's improvement)."""
+    """The interval of P(sooner than vanilla), runs of both resampled (rliable's improvement)."""
     random = np.random.default_rng(0)
     a = counts[random.integers(len(counts), size=(2000, len(counts)))]
     b = bare[random.integers(len(bare), size=(2000, len(bare)))]

@@ -1,4 +1,4 @@
-"""What was computed once, kept on disk by what it was computed from."""
+"""A disk cache of results, keyed by their inputs."""
 
 import hashlib
 import io

@@ -14,7 +14,7 @@ def compiled(function: Function) -> Function:
     """Compiles a function at its first call; the next process reads it from the disk.
 
     In an installation that is read-only, without a home that can be written, or on a full disk it
-    is compiled in every process anew.
+    is recompiled in every process.
     """
     made: Any
     function = inspect.unwrap(function)  # tests check arguments by a wrapper

@@ -4,7 +4,7 @@ import os
 
 
 def processors() -> int:
-    """How many processors this process may use; not every system tells, then all there are."""
+    """How many processors this process may use; all processors where the system does not say."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -17,7 +17,7 @@ _shown: "ContextVar[Progress | None]" = ContextVar("shown", default=None)
 
 @contextmanager
 def progress_bar(what: str, show: bool) -> Iterator[Callable[[int, int], None]]:
-    """A function that is told how many are done and how many are known so far.
+    """A function called with the numbers of steps done and known so far.
 
     The bar appears once `PATIENCE` seconds have passed, with the time that has passed even if
     nothing is known, and vanishes in the end. Within another bar it is a line below that.

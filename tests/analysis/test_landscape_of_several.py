@@ -35,7 +35,7 @@ def test_the_values_are_those_of_the_table():
     np.testing.assert_array_equal(labels.values, given.values)
 
 
-def test_chance_counts():
+def test_random_outcomes_count():
     sure = hb.landscape(ONE, 1, "object").values
     slipping = hb.landscape(ONE, 1, "object", slip=0.5).values
     assert np.nanmax(slipping) < np.nanmax(sure)

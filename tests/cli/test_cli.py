@@ -309,7 +309,7 @@ def test_bad_input_is_one_line_exit_2_and_nothing_on_disk(
         ("", "the map is empty"),
     ],
 )
-def test_a_malformed_map_is_refused_with_place_and_mend(text, says, capsys, tmp_path):
+def test_a_malformed_map_is_refused_with_place_and_fix(text, says, capsys, tmp_path):
     (tmp_path / "map.txt").write_text(text)
     assert main(["solve", str(tmp_path / "map.txt")]) == 2
     assert says in capsys.readouterr().err
@@ -352,7 +352,7 @@ def test_compare_of_a_map_without_a_tool_compares_what_there_is(capsys, tmp_path
     assert "no tool whose place a picker could take" in capsys.readouterr().err
 
 
-def test_json_tells_an_equal_tool_from_one_that_sampled_bounds_leave_open(capsys, tmp_path):
+def test_json_distinguishes_an_equal_tool_from_one_that_sampled_bounds_leave_open(capsys, tmp_path):
     (tmp_path / "tie.txt").write_text("A.P\n...\n#.#\n.C.\n..G\n")
     asked = ("compare", str(tmp_path / "tie.txt"), "--tools", "none,broom", "--horizon")
     told = run_json(capsys, *asked, "3")[1]["tools"]["broom"]

@@ -100,7 +100,7 @@ def test_a_landscape_with_a_tool_elsewhere(capsys, room, tmp_path):
 
 
 @pytest.mark.parametrize("verb", ["landscape", "futures"])
-def test_which_of_several_is_meant_has_to_be_said(verb, capsys, room):
+def test_one_of_several_has_to_be_specified(verb, capsys, room):
     arguments = [verb, room, "--horizon", "1", "--sensor", "object:can"]
     told = refused(capsys, *arguments, "--tool-at", "0,1")
     assert "several tools, picker, rake" in told

@@ -151,7 +151,7 @@ def test_functional_tools_fail_as_often():
     assert ((np.asarray(reward) == 0) == np.asarray(terminated)).all()
 
 
-def test_chance_takes_the_place_of_actions_independently_of_tools_that_fail():
+def test_slip_of_actions_is_independent_of_tools_that_fail():
     """With both, a push works with (1 - slip) * 0.75, and by chance with slip / 8 * 0.75."""
     env = FunctionalEnv(SLIPS, slip=0.5)
     state = env.reset(jax.random.key(0))[1]

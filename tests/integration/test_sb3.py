@@ -127,7 +127,7 @@ def test_an_episode_that_is_cut_off_is_no_end():
         (PPO, {"n_steps": 64, "batch_size": 128, "learning_rate": 3e-3, "ent_coef": 0.01}),
     ],
 )
-def test_it_gets_better_than_chance_on_a_small_world(algorithm, settings):
+def test_it_beats_random_play_on_a_small_world(algorithm, settings):
     def make():
         env = gymnasium.make("habilis/World-v0", world=SMALL, observation="onehot", max_steps=60)
         return hb.EmpowermentReward(env, horizon=2, sensor="object", beta=0.1)

@@ -61,7 +61,7 @@ def test_without_cells_labels_are_scaled_and_without_factors_the_index():
     np.testing.assert_array_equal(found, [[-1, 0], [-1, 0], [1, 0], [0, 0], [1, 0]])
 
 
-def test_states_that_nobody_comes_to_are_shown_as_something():
+def test_unreachable_states_have_an_observation():
     task, count = make_task(table("A.C\nP..\n..G\n"), observation="coordinates")
     assert count == task.inputs.shape[1]
     room = roomy(task)

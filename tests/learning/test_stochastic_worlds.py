@@ -88,7 +88,7 @@ def test_every_outcome_of_an_action_has_its_share():
     assert (outcome == 1)[~random].sum() == 0
 
 
-def test_a_transition_tells_state_action_and_outcome(world):
+def test_a_transition_index_encodes_state_action_and_outcome(world):
     task, _ = make_task(hb.tabulate(world))
     states, actions = jnp.divmod(jnp.arange(task.states * task.actions), task.actions)
     for draw in (0.0, 0.999):
@@ -170,7 +170,7 @@ def test_a_goal_out_of_reach_is_refused_in_a_stochastic_world_too(tmp_path):
         train(Config(world="shut.txt"))
 
 
-def test_the_digest_of_an_own_tool_tells_how_often_it_fails():
+def test_the_digest_of_a_custom_tool_depends_on_its_failure_probability():
     sure = hb.World.parse(SURE).with_tool(f"{EXAMPLES / 'rake.py'}:Rake")
     worlds = [replace(sure, tool_slip=slip) for slip in (0.0, 0.2, 0.3)]
     digests = [digest_of_own_tool(world) for world in (sure, *worlds)]

@@ -1,4 +1,4 @@
-"""What research says about maps: random play, and a map of another reading."""
+"""Research on maps: random play, and a map of another reading."""
 
 from pathlib import Path
 

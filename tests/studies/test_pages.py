@@ -75,9 +75,7 @@ def test_a_page_fits_and_can_be_read(browser, pages, name, width, scheme):
 
 
 @pytest.mark.parametrize("name", ["paper", "multiverse"])
-def test_on_a_phone_figures_are_scrolled_and_not_shrunk_until_nobody_can_read_them(
-    browser, pages, name
-):
+def test_on_a_phone_figures_are_scrolled_rather_than_shrunk_illegibly(browser, pages, name):
     page = browser.new_page(viewport={"width": PHONE, "height": 844})
     page.goto(pages[name].as_uri())
     drawn = page.locator(".picture svg[style*=natural]").evaluate_all(

@@ -17,7 +17,7 @@ COMMAND = [sys.executable, "-m", "habilis", "studio", "--no-browser"]
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("busy", [False, True])
-def test_it_prints_its_address_serves_and_ends_when_told_to(number, busy):
+def test_it_prints_its_address_serves_and_ends_on_a_signal(number, busy):
     with subprocess.Popen(COMMAND, stdout=-1, stderr=-1, text=True) as process:
         assert process.stdout is not None
         line = process.stdout.readline()

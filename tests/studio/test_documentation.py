@@ -1,4 +1,4 @@
-"""What is written of the studio is so."""
+"""The studio's documentation agrees with the studio."""
 
 import re
 from pathlib import Path
@@ -53,19 +53,19 @@ def test_the_least_side_is_the_guides_and_the_protocols():
     assert f"to {limits.SLIP:g}, the probability" in PROTOCOL
 
 
-def test_the_protocol_tells_every_request_with_its_fields():
+def test_the_protocol_lists_every_request_with_its_fields():
     for name, (required, optional) in messages._FIELDS.items():
         told = re.search(rf"(?m)^{name} .*(\n {{9}}.*)*", PROTOCOL)
         assert told is not None, name
         assert {*required, *optional} <= words(told[0]), name
 
 
-def test_the_protocol_tells_what_a_scene_is():
+def test_the_protocol_lists_the_fields_of_a_scene():
     scene = PROTOCOL.partition("A scene is an object:")[2]
     assert set(_DEFAULTS) == set(re.findall(r"(?m)^(\w+)  ", scene))
     assert {*SENSORS, *ACTIONS} <= words(scene)
 
 
-def test_the_protocol_tells_what_a_page_is_told_first(tmp_path):
+def test_the_protocol_lists_the_fields_of_the_greeting(tmp_path):
     studio = Studio(Access.of("127.0.0.1", 1), Pools.made(), Trainings(tmp_path))
     assert studio.hello().keys() <= words(PROTOCOL.partition("`hello` has ")[2])

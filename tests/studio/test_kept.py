@@ -32,7 +32,7 @@ NAMES = (
 
 
 def listed(there: Page) -> list[dict]:
-    """What the server says of the trainings that it has folders of."""
+    """The server's list of the trainings that it has folders of."""
     answers = there.answers(there.send("trainings"))
     names = next(answers)["names"]
     return [next(answers)["kept"] for _ in names]
@@ -101,7 +101,7 @@ def test_folders_that_are_damaged_are_listed_with_what_is_wrong(kept, tmp_path):
         '{"converged_at": [null, null], "best_return": NaN}'
     )
     (tmp_path / "begun" / "summary.json").unlink()
-    # What is no run is nobody's business, damaged or not.
+    # A folder without a run is ignored, damaged or not.
     (tmp_path / "photographs").mkdir()
     (tmp_path / ".hidden").mkdir()
     (tmp_path / "map.txt").write_text("AC.G")

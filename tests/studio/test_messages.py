@@ -211,7 +211,7 @@ def test_after_a_thousand_malformed_messages_the_server_answers_as_before(tmp_pa
     assert log.read_text() == ""
 
 
-def test_more_pages_than_there_is_room_for_are_told_to_try_later(address):
+def test_pages_beyond_the_limit_are_asked_to_try_later(address):
     with contextlib.ExitStack() as pages:
         for _ in range(CLIENTS):
             pages.enter_context(page(address))

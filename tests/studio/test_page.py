@@ -34,7 +34,7 @@ def test_the_committed_page_is_what_the_sources_give(tmp_path: Path):
     assert files_of(built) == files_of(PAGE), "call make page, and commit what it builds"
 
 
-def test_the_page_is_small_whole_and_asks_nobody_else():
+def test_the_page_is_small_whole_and_asks_no_other_host():
     files = files_of(PAGE)
     assert set(files) == {"index.html", "assets/studio.css", "assets/studio.js"}
     assert sum(map(len, files.values())) < LARGEST

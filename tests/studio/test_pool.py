@@ -1,4 +1,4 @@
-"""Steps in processes: served in turn, given up at any moment."""
+"""Steps in worker processes: served in turn, cancelled at any moment."""
 
 import asyncio
 import subprocess
@@ -34,7 +34,7 @@ async def unheard(message):
     pass
 
 
-def test_whoever_asks_has_one_step_done_before_anybody_has_two():
+def test_every_client_gets_one_step_before_any_gets_two():
     served = []
 
     async def work(pool):
@@ -101,7 +101,7 @@ def test_a_process_that_dies_is_an_error_and_another_takes_its_place():
     assert run(work) == "again"
 
 
-def test_what_a_step_refuses_is_said_and_the_process_goes_on():
+def test_an_error_of_a_step_is_reported_and_the_process_continues():
     async def work(pool):
         client = Client(unheard)
         with pytest.raises(StepError, match="two"):

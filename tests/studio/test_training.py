@@ -171,12 +171,12 @@ def test_a_page_trains_one_thing_at_a_time_and_measures_meanwhile(there):
         ({"intrinsic": "smell", "beta": 1.0, "horizon": 1}, "'smell' is unknown"),
     ],
 )
-def test_what_is_wrong_with_settings_is_said_in_the_trainers_words(there, settings, words):
+def test_invalid_settings_get_the_trainers_error(there, settings, words):
     answers = done(there, there.send("train", scene=scene(SMALL), settings=settings))
     assert words in answers[-1]["error"]
 
 
-def test_chance_is_trained_with_as_it_is_measured(there, tmp_path):
+def test_training_uses_the_noise_that_is_measured(there, tmp_path):
     failing = hb.World.parse("P = picker slip 0.3\n" + "\n".join(SMALL.rows), "small")
     (tmp_path / "small.txt").write_text(failing.text())
     settings = {"algorithm": "soft-value-iteration", "runs": 1, "episodes": 20_000}

@@ -1,4 +1,4 @@
-"""What is printed on heat maps."""
+"""The labels on heatmaps."""
 
 from matplotlib.axes import Axes
 from matplotlib.text import Text

@@ -1,4 +1,4 @@
-"""What `Ledger.entries` gives, environment by environment in NumPy."""
+"""`Ledger.entries`, environment by environment in NumPy."""
 
 import numpy as np
 

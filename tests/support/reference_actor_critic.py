@@ -37,7 +37,7 @@ Steps = Float[np.ndarray, "steps envs"]
 
 @dataclass(frozen=True)
 class Rollout:
-    """What the environments gave.
+    """The environments' outputs.
 
     Attributes:
         inputs: whole numbers are the rows of the first weight that are 1 (a one-hot factor each),

@@ -17,7 +17,7 @@ GAINS = {"tanh": 5 / 3, "relu": math.sqrt(2), "selu": 3 / 4, "sigmoid": 1.0}
 
 
 class Moments(NamedTuple):
-    """What an optimiser keeps of each array: averages of gradients and of their squares."""
+    """An optimiser's state for each array: averages of gradients and of their squares."""
 
     steps: int
     first: Arrays

@@ -52,7 +52,7 @@ class Page:
         return self.number
 
     def answers(self, number: int) -> Iterator[dict[str, Any]]:
-        """What comes to one request, for as long as somebody wants it."""
+        """The answers to one request."""
         while True:
             answer = self.receive()
             if answer["id"] == number:

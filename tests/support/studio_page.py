@@ -81,7 +81,7 @@ def shown_bits(page: Page) -> dict[Cell, float]:
 def true_bits(
     world: World, horizon: int, sensor: Sensor = "object", **options
 ) -> dict[Cell, float]:
-    """What the library says, to the two decimals that are shown."""
+    """The library's values, to the two decimals shown."""
     values = landscape(world, horizon, sensor, **options).values
     return {
         (int(row), int(column)): float(f"{values[row, column]:.2f}")
@@ -103,7 +103,7 @@ def shown_averages(page: Page) -> dict[str, float]:
 
 
 def map_text(page: Page) -> str:
-    """What the page says that its map is."""
+    """The page's map text."""
     page.locator("#map-text").click()
     area = page.locator("#text")
     expect(area).not_to_have_value("", timeout=STUCK)

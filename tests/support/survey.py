@@ -36,7 +36,7 @@ def names() -> list[str]:
 
 
 def seen(env: Any) -> Hashable:
-    """What can be seen of a Minigrid, and what is in its boxes."""
+    """The visible state of a Minigrid, and the contents of its boxes."""
 
     def thing(one: Any) -> Hashable:
         return None if one is None else (one.encode(), thing(getattr(one, "contains", None)))

@@ -29,7 +29,7 @@ def test_the_table_of_one_tool_is_what_it_was(world, tool):
     assert bits_digest(mdp) == bits
 
 
-def test_a_digest_tells_of_every_part_of_a_table():
+def test_a_digest_depends_on_every_part_of_a_table():
     mdp = hb.tabulate(hb.World.parse("A.P.CG"))
     parts = mdp.next_state, mdp.reward, mdp.terminal, mdp.factor("object"), mdp.flags["attached"]
     told = {table_digest(mdp)}

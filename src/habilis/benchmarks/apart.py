@@ -16,7 +16,7 @@ from habilis.benchmarks import Result
 
 
 def measured_apart(module: str, function: str, **environment: str) -> list[Result]:
-    """What a function gives in a new process on one processor.
+    """The result of a function in a new process on one processor.
 
     Args:
         module, function: without arguments, it returns results.

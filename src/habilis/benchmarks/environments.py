@@ -20,7 +20,7 @@ def results() -> list[Result]:
 
 
 def on_one_processor() -> list[Result]:
-    """Steps a second; random actions, episodes begun anew."""
+    """Steps per second, with random actions and automatic resets."""
     random = np.random.default_rng(0)
     lake = gymnasium.make("FrozenLake-v1")
     bonus = {"horizon": 6, "sensor": "object", "beta": 0.07}

@@ -58,7 +58,7 @@ def _all_of_train(lanes: int, device: str) -> Result:
 
 
 def _books() -> list[Result]:
-    """What is done in Python and Numba for each lane and stretch, on one processor."""
+    """The bookkeeping in Python and Numba per lane and chunk, on one processor."""
     job, loop = Job.of(0, CONFIG), Loop.of(CONFIG.changed(runs=LANES))
     _, log = advance(loop.task, loop.settings, loop.lanes, loop.program)
     transition = np.asarray(log.transition)[0].reshape(-1, A2C.envs)

@@ -1,4 +1,4 @@
-"""What a channel and a distribution of its inputs say, and proof of how much more there is.
+"""Bounds on the capacity of a channel from a distribution over its inputs.
 
 A channel is a matrix of probabilities P(y|x), one row an input x, dense or sparse. In nats:
 

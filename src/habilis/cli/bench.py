@@ -5,7 +5,7 @@ import argparse
 from habilis.cli.arguments import Args
 from habilis.cli.output import print_json
 
-HELP: str = "measure our speed beside the alternatives"
+HELP: str = "measure speed next to the alternatives"
 EXAMPLE: str = "habilis bench empowerment"
 
 

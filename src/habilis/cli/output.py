@@ -38,7 +38,7 @@ def save(path: Path, write: Callable[[Path], Any]) -> None:
 
 
 def lower_bounds(args: "Namespace") -> str:
-    """What stands before values that are sampled."""
+    """The prefix of sampled values."""
     return "lower bounds on " if args.method == "sampled" else ""
 
 

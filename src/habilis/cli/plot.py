@@ -29,14 +29,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--value",
         choices=("return", "length", "equipped", "attached"),
         default="return",
-        help="of an episode: its extrinsic return (default), its steps, the share of them with the "
-        "tool in hand, or the share of these with the object attached",
+        help="per episode: extrinsic return (default), number of steps, share of steps with the "
+        "tool in hand, or share of those with the object attached",
     )
     parser.add_argument(
         "--statistic",
         choices=("mean", "iqm"),
         default="mean",
-        help="over the runs: their mean (default), or that of the middle half of them",
+        help="over the runs: mean (default) or interquartile mean",
     )
 
 

@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--from", dest="begin", metavar="WORLD", help=begin)
     after = "folder of earlier maps: new ones differ from them, and are numbered from the last"
     parser.add_argument("--after", type=Path, metavar="DIR", help=after)
-    reading = "how rules 3 to 5 are read: some of 'pushes shoves sweeps sticky'"
+    reading = "reading of rules 3 to 5: some of 'pushes shoves sweeps sticky'"
     parser.add_argument("--reading", default="", metavar="WORDS", help=reading)
     over = ("equipped", "all", "reachable")
     parser.add_argument(

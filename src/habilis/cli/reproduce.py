@@ -14,7 +14,7 @@ EXAMPLE: str = "habilis reproduce --out paper"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
-    parser.add_argument("--quick", action="store_true", help="few runs and episodes, in 3 minutes")
+    parser.add_argument("--quick", action="store_true", help="few runs and episodes, 3 minutes")
     parser.set_defaults(writes={"out": FOLDER})
 
 

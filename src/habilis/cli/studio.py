@@ -13,7 +13,7 @@ from habilis.cli.output import print_json
 from habilis.extras import import_from
 from habilis.files import FOLDER
 
-HELP: str = "draw worlds in a browser and see their empowerment at once"
+HELP: str = "draw worlds in a browser and see their empowerment live"
 EXAMPLE: str = "habilis studio --port 8000"
 
 

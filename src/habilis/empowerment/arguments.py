@@ -1,4 +1,4 @@
-"""What may be asked: every argument of a measure, checked in one place."""
+"""Validation of the arguments of all measures."""
 
 from typing import Any, Literal
 
@@ -47,7 +47,7 @@ def per_bit(unit: Unit) -> float:
 
 
 def chosen_actions(mdp: TabularMDP, actions: ArrayLike | None) -> Int64[np.ndarray, "A"]:
-    """The action indices asked for, each once, in order; all if nobody says."""
+    """The given action indices, each once, in order; all by default."""
     if actions is None:
         return np.arange(mdp.action_count)
     chosen = as_array("actions", actions)
@@ -68,7 +68,7 @@ def chosen_actions(mdp: TabularMDP, actions: ArrayLike | None) -> Int64[np.ndarr
 
 
 def chosen_states(mdp: TabularMDP, states: Any) -> Int64[np.ndarray, "n"]:
-    """The state indices asked about, in order and as often as asked; all if nobody says."""
+    """The given state indices, in order and as often as given; all by default."""
     if states is None:
         return np.arange(mdp.states)
     chosen = np.atleast_1d(as_array("states", states))

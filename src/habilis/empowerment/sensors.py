@@ -25,7 +25,7 @@ def is_noisy(sensor: Sensor) -> bool:
 
 
 def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
-    """What is perceived in each state, as probabilities.
+    """The observation probabilities of each state.
 
     Args:
         mdp: the table.
@@ -67,7 +67,7 @@ def _adds_up(matrix: Any) -> bool:
 
 
 def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"], int]:
-    """What is perceived in each state.
+    """The observation of each state.
 
     Args:
         mdp: the table.

@@ -64,7 +64,7 @@ def places_of(env: Any, measure: Measure, max_states: int, identity: Identity) -
 def same_table(one: Any, other: Any) -> bool:
     """Whether `places_of` one environment serve for another too.
 
-    Where states are enumerated they do: other layouts are told apart.
+    Where states are enumerated they do: other layouts are distinguished.
     """
     one, other = one.unwrapped, other.unwrapped
     if isinstance(one, TableEnv) and isinstance(other, TableEnv):

@@ -74,12 +74,12 @@ def curves_figure(curves: Mapping[str, Curve], best_returns: Sequence[float] = (
 
 
 def labels(configs: Sequence[Config], names: Sequence[str]) -> list[str]:
-    """What tells configurations apart: the settings that are not the same in all of them.
+    """The settings that differ between configurations.
 
     Settings that belong to an algorithm are compared among those that use it.
 
     Args:
-        configs: to be told apart.
+        configs: the configurations to distinguish.
         names: take part where settings do not tell all apart.
     """
     common = [{f.name: getattr(c, f.name) for f in fields(c)} for c in configs]

@@ -27,18 +27,18 @@ class Bonus:
     beta: float = setting(
         0.0, "weight of that reward: the agent learns from reward + beta * bits(next state)"
     )
-    beta_schedule: str = setting("constant", f"how beta goes on: {', '.join(SCHEDULES)}")
+    beta_schedule: str = setting("constant", f"schedule of beta: {', '.join(SCHEDULES)}")
     beta_steps: int = setting(
         0, "environment steps after which beta is 0 (linear) or has halved (exponential)"
     )
     earned: str = setting(
         "next",
-        "whose value is added: the next state's, the current one's, or the difference "
-        "discount * next - current, a potential, which leaves the best policy alone where beta and "
+        "the state that the bonus is paid for: the next, the current one, or the difference "
+        "discount * next - current, a potential, which preserves the optimal policy where beta and "
         "the values do not change",
     )
-    terminal_bonus: bool = setting(True, "whether entering a terminal state earns it too")
-    extrinsic: bool = setting(True, "whether the agent learns from the world's reward at all")
+    terminal_bonus: bool = setting(True, "whether entering a terminal state earns the bonus, too")
+    extrinsic: bool = setting(True, "whether the agent also learns from the world's reward")
 
     def __post_init__(self) -> None:
         check_types(self)

@@ -1,4 +1,4 @@
-"""What a tool answers, looked over before it is believed.
+"""Calls of a tool's methods, with validation of their results.
 
 Whoever wrote the tool, it is asked only about placements with the tool in hand, is shown arrays
 that it cannot write to by mistake, and an answer that the map has no place for is an error with
@@ -35,7 +35,7 @@ def answers(
     elsewhere: Any,
     seen: Cells | None = None,
 ) -> Any:
-    """What a tool says of the placements in which it is in hand.
+    """A tool's results for the placements in which it is in hand.
 
     Args:
         grid: the map.
@@ -68,7 +68,7 @@ def ask(
     *step: int,
     seen: Cells | None = None,
 ) -> Any:
-    """What a tool says of placements in all of which it is in hand; see `answers`."""
+    """A tool's results for placements in all of which it is in hand; see `answers`."""
     more = {} if seen is None else {"seen": _unwritable(seen)}
     try:
         said = getattr(rule, method)(*map(_unwritable, placements), *step, **more)
@@ -101,7 +101,7 @@ def refusal(
     mend: str,
     placement: str = "",
 ) -> ValueError:
-    """The error that names the tool, what is wrong with it and where, and the mend."""
+    """The error that names the tool, what is wrong, where, and the fix."""
     where = f" with {placement}" if placement else ""
     return ValueError(f"tool {name_of(rule)!r}: {method} {problem}{where}; {mend}")
 

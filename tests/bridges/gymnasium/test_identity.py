@@ -174,7 +174,7 @@ def ring(*values: Any) -> Node:
     return nodes[0]
 
 
-def test_objects_in_circles_are_equal_where_no_path_tells_them_apart():
+def test_objects_in_cycles_are_equal_if_no_path_distinguishes_them():
     assert digest(ring(1, 2)) == digest(ring(1, 2)) == digest(ring(1, 2, 1, 2))
     assert digest(ring(1, 1)) == digest(ring(1))
     assert digest(ring(1, 2)) != digest(ring(2, 1))
@@ -207,7 +207,7 @@ def test_many_circles_cost_no_more_than_their_objects():
     assert digest(grid(12)) != digest(grid(12, 1))
 
 
-def test_what_is_met_on_the_way_is_told():
+def test_what_is_met_on_the_way_is_reported():
     generator = np.random.default_rng(0)
     seen = view({"a": [generator], "b": Node(1, other=generator)})
     assert [one is generator for one in seen.generators] == [True]

@@ -74,14 +74,14 @@ def test_where_a_thing_was_dropped_is_no_part_of_the_state():
     assert len(set(rows)) == len(rows)
 
 
-def test_things_of_one_kind_are_told_apart_by_color_or_number():
+def test_things_of_one_kind_are_distinguished_by_color_or_number():
     mdp = T(Boxed(Ball("red"), Ball("blue")))
     assert list(mdp.factors)[3:] == ["red ball", "blue ball"]
     mdp = T(Boxed(Ball("red"), Ball("red")))
     assert list(mdp.factors)[3:] == ["red ball 1", "red ball 2"]
 
 
-def test_what_nothing_tells_apart_has_no_factor():
+def test_indistinguishable_things_have_no_factor():
     mdp = T(Boxed(Box("red", Key("red")), Box("red", Key("red"))))
     assert list(mdp.factors)[3:] == ["red box 1", "red box 2"]
 

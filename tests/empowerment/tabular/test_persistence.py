@@ -1,4 +1,4 @@
-"""What can be brought about again and again, and what of empowerment it is."""
+"""Persistence: the outcomes that can be reached repeatedly."""
 
 from math import gcd
 
@@ -121,7 +121,7 @@ def of_placement(rows: str, tool: str) -> float:
             "..... ..... ..CA. ...P. ...GG".replace("GG", ".G"),
             {"none": np.log2(9)},
         ),  # off the walls
-        ("AP...C.G", {"none": 0, "picker": 3}),  # in a passage nobody gets behind it
+        ("AP...C.G", {"none": 0, "picker": 3}),  # in a passage the agent cannot get behind it
     ],
 )
 def test_what_tools_can_do_to_a_can_for_ever(rows, bits):
@@ -145,7 +145,7 @@ def test_a_long_chain_of_components_is_no_trouble():
     assert (persistence(circle, "state", states=[0, 7]) == np.log2(count)).all()
 
 
-def test_what_is_left_to_chance_is_refused():
+def test_stochastic_tables_are_refused():
     mdp = hb.tabulate(hb.load_world("yard", tool="none"))
     with pytest.raises(ValueError, match=r"stochastic.*; leave out slip"):
         persistence(mdp.slippery(0.1))

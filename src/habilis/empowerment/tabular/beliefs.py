@@ -1,7 +1,7 @@
 """Where sequences of actions may lead when outcomes are uncertain, without listing all of them.
 
 A belief is a distribution over next states. Sequences that lead to the same belief are one from
-then on, since nothing that follows can tell them apart; so beliefs are carried forward
+then on, since nothing that follows distinguishes them; so beliefs are carried forward
 action by action and merged at every step. An action is available under a belief if it is in every
 state that the belief holds possible; other actions lead to no belief.
 """
@@ -38,7 +38,7 @@ class TooManyBeliefsError(Exception):
 
 @dataclass(frozen=True)
 class Beliefs:
-    """What h actions can make an agent believe.
+    """The beliefs reachable with h actions.
 
     Attributes:
         states: int32[N], the states that can be reached at all.
@@ -98,7 +98,7 @@ class Successors:
 
 
 def unheard(done: int, known: int) -> None:
-    """For what nobody waits for."""
+    """A progress callback that does nothing."""
 
 
 def beliefs_after(
@@ -110,7 +110,7 @@ def beliefs_after(
 ) -> Beliefs:
     """All distinct beliefs that sequences of h actions from a state lead to.
 
-    None where no sequence can surely be carried out. `tell` receives how many actions are done.
+    None if no sequence is certain to be executable. `tell` receives how many actions are done.
 
     Raises:
         TooManyBeliefsError: at some step they are more than `most_entries` numbers.

@@ -1,4 +1,4 @@
-"""What a computation with noise, of transitions or of the sensor, will cost, before it starts."""
+"""Cost estimates for computations with noisy transitions or a noisy sensor."""
 
 import time
 from collections.abc import Iterator
@@ -20,12 +20,12 @@ _BYTES = 8 * 4  # a number of a belief: in an array perhaps just doubled, and wh
 _STEP = 300  # bytes that each step takes however few beliefs there are
 _TRIAL = 0.3  # seconds that trying out a state may take
 _FORESEEN = 2_000  # horizons looked at one by one
-_TRIFLE = 20_000_000  # numbers in all states' beliefs, at worst, below which nobody waits
+_TRIFLE = 20_000_000  # numbers in all states' beliefs, at worst, below which no estimate is needed
 
 
 @dataclass(frozen=True)
 class Effort:
-    """What each horizon from 0 to h costs.
+    """The cost of each horizon from 0 to h.
 
     Attributes:
         gib: float64[h + 1], memory at once.

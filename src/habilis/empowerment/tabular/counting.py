@@ -1,4 +1,4 @@
-"""How many observations h actions can bring about, without listing action sequences.
+"""The number of observations reachable with h actions, without enumerating sequences.
 
 Three ways to the same number, |O_h(s)| with
 

@@ -39,7 +39,7 @@ Levels = Int64[np.ndarray, "levels"]  # states within 0, 1, ... actions
 
 @dataclass(frozen=True)
 class Question:
-    """What is to be counted.
+    """A counting problem.
 
     Attributes:
         table: int32[S, A], the states that the chosen actions lead to.
@@ -67,7 +67,7 @@ class Question:
 
 
 def counts(question: Question) -> Counts:
-    """How many observations h actions can bring about.
+    """The number of observations reachable with h actions.
 
     Returns:
         |O_h(s)| for every state asked about; 0 where nothing is observed in the end.

@@ -29,7 +29,7 @@ _LN2 = np.log(2)
 
 @dataclass(frozen=True)
 class Problem:
-    """What is the same for every state.
+    """The data shared by all states.
 
     Attributes:
         successors: the transitions under the chosen actions.

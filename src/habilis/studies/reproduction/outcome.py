@@ -1,4 +1,4 @@
-"""What a reproduction found."""
+"""The results of a reproduction."""
 
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property

@@ -118,7 +118,7 @@ def _rod(fill: str, width: float, start: Point, end: Point) -> Shape:
 
 
 _INK, _WHITE, _PAPER = "#1f2430", "#ffffff", "#f6f7f8"
-# The main colours are Okabe and Ito's, which every kind of eye can tell apart.
+# The main colours are Okabe and Ito's, which are distinguishable for every kind of colour vision.
 _ORANGE, _GREEN, _BLUE, _RED = "#e69f00", "#009e73", "#0072b2", "#d55e00"
 _VIOLET = "#cc79a7"
 _LEAF, _STRAW, _YELLOW = "#00684c", "#c08414", "#f0c24b"
@@ -256,7 +256,7 @@ def marked(drawing: Drawing, thing: Drawing) -> Drawing:
 
 
 _LABEL: Drawing = (_box(_PAPER, 0.02, 0.0, 0.98, 1.02, 0.16),)
-# What colour tells things of one kind apart, and what gleams on it.
+# The colours that distinguish things of one kind, and their highlights.
 _MAIN = {"can": (_RED, _GLEAM_OF_CAN), "ball": (_SKY, _GLEAM_OF_BALL), "crate": (_WOOD, "")}
 _OTHER_COLOURS = (
     (_BLUE, "#5aa9d6"),
