@@ -17,7 +17,7 @@ import optax
 from flax.training.train_state import TrainState
 from gymnax.wrappers import FlattenObservationWrapper, LogWrapper
 
-from habilis.envs.functional import FunctionalEnv
+from habilis.envs import FunctionalEnv
 
 ENVS, STEPS, EPOCHS, MINIBATCHES = 16, 32, 4, 4
 GAMMA, LAMBDA, CLIP, ENTROPY, RATE = 0.95, 0.95, 0.2, 0.01, 3e-3

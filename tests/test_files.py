@@ -22,7 +22,7 @@ from habilis.cli import VERBS as VERB_MODULES
 from habilis.cli import main, parser
 from habilis.files import check_file, check_folder, save_whole, write_whole
 from habilis.worlds.pictures.figures import PICTURES, save_picture
-from habilis.worlds.pictures.video import _SAVERS, save_film
+from habilis.worlds.pictures.video import _SAVERS, save_video
 
 WORLD = hb.World.parse("AP.CG\n.....\n")
 MDP = hb.tabulate(WORLD)
@@ -34,9 +34,9 @@ def big_table(path: Path) -> None:
     save_table(table, path)
 
 
-def big_film(path: Path) -> None:
+def big_video(path: Path) -> None:
     pictures = np.random.default_rng(0).integers(256, size=(9, 64, 64, 3), dtype=np.uint8)
-    save_film(pictures, path)
+    save_video(pictures, path)
 
 
 def big_landscape(path: Path) -> None:
@@ -51,7 +51,7 @@ def big_pairs(path: Path) -> None:
 
 WRITERS = [
     *((big_table, suffix) for suffix in TABLES),
-    *((big_film, suffix) for suffix in _SAVERS),
+    *((big_video, suffix) for suffix in _SAVERS),
     *((lambda path: save_picture(WORLD, path, 400), suffix) for suffix in PICTURES),
     *((big_landscape, suffix) for suffix in (".npy", ".csv")),
     *((big_pairs, suffix) for suffix in (".npy", ".csv", ".parquet")),
@@ -61,7 +61,7 @@ WRITERS = [
 def test_the_suffixes_are_those_that_the_writers_know():
     assert tuple(TABLES) == files.TABLES
     assert tuple(PICTURES) == files.PICTURES
-    assert tuple(_SAVERS) == files.FILMS
+    assert tuple(_SAVERS) == files.VIDEOS
 
 
 @pytest.mark.parametrize("earlier", [None, b"what was there"])
@@ -320,7 +320,7 @@ def test_the_picture_that_plot_draws_by_default_is_checked_first_too(tmp_path, c
 
 def test_a_video_without_its_extra_is_refused_first(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    assert main(["watch", "no-such-run", "--mp4", str(tmp_path / "film.mp4")]) == 2
+    assert main(["watch", "no-such-run", "--mp4", str(tmp_path / "video.mp4")]) == 2
     assert "pip install 'habilis[video]'" in capsys.readouterr().err
 
 

@@ -6,18 +6,27 @@ The build fails where one does not.
 import ast
 import inspect
 import re
+import sys
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
 
-import habilis
-import habilis.envs
+PACKAGES = (
+    "habilis",
+    "habilis.analysis",
+    "habilis.channels",
+    "habilis.envs",
+    "habilis.worlds",
+    "habilis.worlds.pictures",
+)
+"""Packages whose names are public."""
 
 _SHOWN = re.compile(r"^::: (\S+)$", re.MULTILINE)
 _SECTION = re.compile(r"^(Args|Attributes|Returns|Raises|Yields|Warns|Example):\s*$")
@@ -34,16 +43,27 @@ def on_pre_build(config: MkDocsConfig, **_: Any) -> None:
 
 
 def public_names() -> dict[str, Any]:
-    """What users may import, by name: of `habilis`, now or when it is first asked for, and of
-    `habilis.envs`.
-    """
-    names = [*habilis.__all__, *habilis._LAZY]
-    own = {f"habilis.{name}": getattr(habilis, name) for name in names}
-    return own | {f"habilis.envs.{name}": getattr(habilis.envs, name) for name in _own_envs()}
+    """What users may import, by name: everything that the public packages list."""
+    return {
+        f"{package}.{name}": getattr(sys.modules[package], name)
+        for package in map(_imported, PACKAGES)
+        for name in _listed(sys.modules[package])
+    }
 
 
-def _own_envs() -> list[str]:
-    return [name for name in habilis.envs.__all__ if name not in habilis._LAZY]
+def _imported(package: str) -> str:
+    import_module(package)
+    return package
+
+
+def _listed(package: ModuleType) -> list[str]:
+    """The names that a package exports, lazily or not; its subpackages have lists of their own."""
+    lazy = dir(package) if "__getattr__" in vars(package) else []
+    return [
+        name
+        for name in sorted({*package.__all__, *lazy})
+        if not name.startswith("_") and not isinstance(getattr(package, name), ModuleType)
+    ]
 
 
 def faults(names: Mapping[str, Any], pages: Iterable[str]) -> Iterator[str]:

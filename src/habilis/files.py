@@ -11,7 +11,7 @@ from secrets import token_hex
 
 PICTURES = (".png", ".svg", ".pdf")
 TABLES = (".csv", ".parquet", ".npz", ".npy")
-FILMS = (".gif", ".mp4")
+VIDEOS = (".gif", ".mp4")
 FOLDER = ()
 """In place of suffixes: a folder is written."""
 

@@ -1,4 +1,4 @@
-"""Gymnasium's RecordVideo films our environments."""
+"""Gymnasium's RecordVideo records our environments."""
 
 from pathlib import Path
 
@@ -15,14 +15,14 @@ ACTIONS = (3, 0, 1, 1, 0)
 SIZE = (6 * 32, 4 * 32)
 
 
-def films(folder: Path) -> list[Path]:
+def videos(folder: Path) -> list[Path]:
     return sorted(folder.glob("*.mp4"))
 
 
-def assert_filmed(film: Path, frames: list[np.ndarray]) -> None:
-    filmed = read_mp4(film, *SIZE)
-    assert len(filmed) == len(frames)
-    for picture, drawn in zip(filmed, frames, strict=True):
+def assert_recorded(video: Path, frames: list[np.ndarray]) -> None:
+    recorded = read_mp4(video, *SIZE)
+    assert len(recorded) == len(frames)
+    for picture, drawn in zip(recorded, frames, strict=True):
         assert np.abs(picture.astype(int) - drawn).mean() < 5
 
 
@@ -30,7 +30,7 @@ def test_recorded_episodes_show_every_state(tmp_path):
     env = gymnasium.make(
         "habilis/World-v0", world=ROOM, max_steps=len(ACTIONS), render_mode="rgb_array"
     )
-    env = RecordVideo(env, str(tmp_path / "films"), episode_trigger=lambda _: True)
+    env = RecordVideo(env, str(tmp_path / "videos"), episode_trigger=lambda _: True)
     frames = []
     for _ in range(2):
         env.reset(seed=0)
@@ -39,19 +39,19 @@ def test_recorded_episodes_show_every_state(tmp_path):
             env.step(action)
             frames.append(np.asarray(env.render()))
     env.close()
-    found = films(tmp_path / "films")
-    assert [film.name for film in found] == [f"rl-video-episode-{n}.mp4" for n in (0, 1)]
-    for film in found:
-        assert_filmed(film, frames)
+    found = videos(tmp_path / "videos")
+    assert [video.name for video in found] == [f"rl-video-episode-{n}.mp4" for n in (0, 1)]
+    for video in found:
+        assert_recorded(video, frames)
     assert (frames[0] != frames[-1]).any()
 
 
-def test_a_vector_environment_is_filmed_too(tmp_path):
+def test_a_vector_environment_is_recorded_too(tmp_path):
     envs = gymnasium.make_vec("habilis/World-v0", num_envs=2, world=ROOM, render_mode="rgb_array")
-    films_in = tmp_path / "films"
-    envs = RecordVectorVideo(envs, str(films_in), step_trigger=lambda n: n == 0, video_length=3)
+    videos_in = tmp_path / "videos"
+    envs = RecordVectorVideo(envs, str(videos_in), step_trigger=lambda n: n == 0, video_length=3)
     envs.reset(seed=0)
     for action in ACTIONS:
         envs.step(np.array([action, action]))
     envs.close()
-    assert len(films(films_in)) == 1
+    assert len(videos(videos_in)) == 1

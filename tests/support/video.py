@@ -1,4 +1,4 @@
-"""Reading films back."""
+"""Reading videos back."""
 
 import subprocess
 from pathlib import Path
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def read_mp4(path: Path, width: int, height: int) -> np.ndarray:
-    """The pictures of a film: uint8[frames, height, width, 3]."""
+    """The pictures of a video: uint8[frames, height, width, 3]."""
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-i", path]
     command += ["-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     pixels = subprocess.run(command, capture_output=True, check=True).stdout

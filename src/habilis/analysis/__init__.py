@@ -1,1 +1,30 @@
-"""Measures made of empowerment: averages, landscapes, pairs, influence, futures; their pictures."""
+"""Measures built on empowerment: averages, landscapes, pairs, influence, futures, and pictures."""
+
+from habilis.analysis.averages import average_empowerment, compare, ranking
+from habilis.analysis.data_frames import save_table, to_dataframe
+from habilis.analysis.futures import Futures, futures, futures_figure
+from habilis.analysis.influence import influence_range, latency, reliability
+from habilis.analysis.landscape import Landscape, draw_landscapes, landscape
+from habilis.analysis.pairs import Pairs, pairs
+from habilis.analysis.usefulness import Usefulness, usefulness
+
+__all__ = [
+    "Futures",
+    "Landscape",
+    "Pairs",
+    "Usefulness",
+    "average_empowerment",
+    "compare",
+    "draw_landscapes",
+    "futures",
+    "futures_figure",
+    "influence_range",
+    "landscape",
+    "latency",
+    "pairs",
+    "ranking",
+    "reliability",
+    "save_table",
+    "to_dataframe",
+    "usefulness",
+]

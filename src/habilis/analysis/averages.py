@@ -109,7 +109,14 @@ def compare(
 
 
 def ranking(averages: Mapping[str, float]) -> list[str]:
-    """The tools from the most to the least empowering."""
+    """Tools in the order of their averages.
+
+    Args:
+        averages: by tool, as `compare` returns them.
+
+    Returns:
+        The names, from the most to the least empowering.
+    """
     return sorted(averages, key=lambda tool: -averages[tool])
 
 

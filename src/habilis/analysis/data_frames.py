@@ -3,15 +3,18 @@
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import polars as pl
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import chosen_states
 from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
+
+if TYPE_CHECKING:
+    import polars as pl
 
 
 def to_dataframe(
@@ -20,7 +23,7 @@ def to_dataframe(
     *,
     states: ArrayLike | None = None,
     **measures: ArrayLike,
-) -> pl.DataFrame:
+) -> "pl.DataFrame":
     """One row a state: its index, its factors (cells as row and column), flags, and its values.
 
     Args:
@@ -65,7 +68,7 @@ def to_dataframe(
     return pl.DataFrame(columns)
 
 
-def save_table(table: pl.DataFrame, path: str | Path) -> None:
+def save_table(table: "pl.DataFrame", path: str | Path) -> None:
     """Writes a table by the file's suffix.
 
     Args:
@@ -88,20 +91,20 @@ def save_table(table: pl.DataFrame, path: str | Path) -> None:
     save_whole(path, fill)
 
 
-def _npz(table: pl.DataFrame, file: BytesIO) -> None:
+def _npz(table: "pl.DataFrame", file: BytesIO) -> None:
     try:
         np.savez(file, allow_pickle=False, **{c.name: _array(c) for c in table})
     except (TypeError, ValueError) as error:
         raise ValueError(f".npz cannot have these columns ({error}); use .parquet") from None
 
 
-def _array(column: pl.Series) -> np.ndarray:
+def _array(column: "pl.Series") -> np.ndarray:
     """A column; words as NumPy's own, which need no pickle."""
     words = column.dtype == pl.String and not column.has_nulls()
     return np.array(column.to_list(), str) if words else column.to_numpy()
 
 
-def _npy(table: pl.DataFrame, file: BytesIO) -> None:
+def _npy(table: "pl.DataFrame", file: BytesIO) -> None:
     columns = [column for column in table if column.dtype.is_float()]
     if len(columns) != 1:
         names = ", ".join(column.name for column in columns) or "none"
@@ -116,7 +119,7 @@ def write_array(array: np.ndarray, file: BytesIO) -> None:
     np.save(file, array, allow_pickle=False)
 
 
-TABLES: dict[str, Callable[[pl.DataFrame, BytesIO], None]] = {
+TABLES: dict[str, Callable[["pl.DataFrame", BytesIO], None]] = {
     ".csv": lambda table, file: table.write_csv(file),
     ".parquet": lambda table, file: table.write_parquet(file),
     ".npz": _npz,

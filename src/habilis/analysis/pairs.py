@@ -21,7 +21,6 @@ from habilis.colours import COLOURS
 from habilis.empowerment.api import Options
 from habilis.empowerment.arguments import at_least_one, per_bit
 from habilis.empowerment.horizons import empowerment_by_horizon
-from habilis.empowerment.tabular.persistence import persistence
 from habilis.files import save_whole, suffix_of
 from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
@@ -255,6 +254,8 @@ class _Pair:
 
 
 def _measured(pair: World, horizon: int, slip: float, options: Options) -> _Pair:
+    from habilis.empowerment.tabular.persistence import persistence  # compiles
+
     show = options.get("show_progress", False)
     mdp = tabulate(certain(pair), show_progress=show)
     states = np.flatnonzero(compared_states(mdp))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from habilis.cli.arguments import Args, parse_positive
 from habilis.cli.output import console, print_json, save, shows_progress
 from habilis.extras import import_from
-from habilis.files import FILMS
+from habilis.files import VIDEOS
 from habilis.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, help=seed)
     parser.add_argument("--gif", type=Path, metavar="F.gif", help="write the episode as a GIF")
     parser.add_argument("--mp4", type=Path, metavar="F.mp4", help="or as a video (extra [video])")
-    parser.set_defaults(writes={"gif": FILMS[:1], "mp4": FILMS[1:]})
+    parser.set_defaults(writes={"gif": VIDEOS[:1], "mp4": VIDEOS[1:]})
     parser.add_argument(
         "--speed", type=parse_positive, default=4.0, help="steps per second (default 4)"
     )
@@ -48,8 +48,8 @@ def run(args: Args) -> int:
     stochastic = mdp.is_stochastic
     shares = replay.success(run, args.run) if run.config.starts or stochastic else None
     frames = [placement(run.world, mdp, state) for state in episode.states]
-    films = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
-    for path, write in films:
+    videos = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
+    for path, write in videos:
         with progress_bar("drawing", shows_progress(args)):
             save(path, partial(write, frames))
     trained = int((run.episodes["run"] == args.run).sum())
@@ -77,8 +77,8 @@ def run(args: Args) -> int:
         several = bool(run.config.starts)
         word, whole = ("from", "the starts trained from") if several else ("in", "all episodes")
         print(f"reaches the goal {word} {shares.seen:.0%} of {whole}{unseen}")
-    for path, _ in films:
-        print(f"film: {path}")
+    for path, _ in videos:
+        print(f"video: {path}")
     return 0 if episode.finished else 1
 
 

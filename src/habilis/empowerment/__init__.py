@@ -1,5 +1,6 @@
-"""Exact empowerment of finite MDPs: sensors, channels, counting, and measures made of them."""
+"""Exact empowerment of finite MDPs, its sensors, and the algorithms for tables."""
 
-from habilis.empowerment.api import empowerment
+from habilis.empowerment.api import empowerment as empowerment  # now: `habilis` imports it
+from habilis.lazy import public
 
-__all__ = ["empowerment"]
+__getattr__, __dir__, __all__ = public(__name__)

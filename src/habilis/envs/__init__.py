@@ -3,18 +3,6 @@
 `import habilis` registers "habilis/Corridor-v0", "habilis/Yard-v0" and "habilis/World-v0".
 """
 
-from habilis.envs.observations import Observation
-from habilis.envs.reward import EmpowermentReward, VectorEmpowermentReward
-from habilis.envs.table import TableEnv
-from habilis.envs.vector import TableVectorEnv
-from habilis.envs.world import WorldEnv, WorldVectorEnv
+from habilis.lazy import public
 
-__all__ = [
-    "EmpowermentReward",
-    "Observation",
-    "TableEnv",
-    "TableVectorEnv",
-    "VectorEmpowermentReward",
-    "WorldEnv",
-    "WorldVectorEnv",
-]
+__getattr__, __dir__, __all__ = public(__name__, {"habilis.envs.functional": "learn"})

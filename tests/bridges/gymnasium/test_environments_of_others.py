@@ -935,10 +935,10 @@ def test_a_table_starts_where_a_reset_does_and_leaves_numpys_generator_alone():
     assert np.random.random() == expected
 
 
-def test_films_of_the_user_are_not_written_over(tmp_path: Any):
+def test_videos_of_the_user_are_not_written_over(tmp_path: Any):
     env = gymnasium.make("FrozenLake-v1", render_mode="rgb_array")
-    T(gymnasium.wrappers.RecordVideo(env, str(tmp_path / "films"), lambda episode: True))
-    assert not list((tmp_path / "films").glob("*"))
+    T(gymnasium.wrappers.RecordVideo(env, str(tmp_path / "videos"), lambda episode: True))
+    assert not list((tmp_path / "videos").glob("*"))
 
 
 # What an environment need not have

@@ -4,11 +4,11 @@ import pytest
 
 from habilis.learning.config import Config
 from habilis.learning.runs import Run
-from habilis.studies.paper.curves import attached_share, equipped_share, mean_curve, returns
+from habilis.studies.comparison import Outcome
 from habilis.studies.paper.agent_claims import learned_claims
+from habilis.studies.paper.curves import attached_share, equipped_share, mean_curve, returns
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.tables import Result
-from habilis.studies.comparison import Outcome
 from habilis.worlds.world import load_world
 
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from habilis.studies.paper import corridor_statements, yard_statements
-from habilis.studies.paper.numbers import published_numbers
-from habilis.studies.paper.worlds import PaperWorlds, CachedWorld, paper_worlds
+from habilis.studies.paper.numbers import published_numbers, published_statements
 from habilis.studies.paper.targets import Target
-from habilis.studies.paper.numbers import published_statements
+from habilis.studies.paper.worlds import CachedWorld, PaperWorlds, paper_worlds
 from habilis.worlds.tools import Reading
 from habilis.worlds.world import World, load_world
 

@@ -6,9 +6,9 @@ import pytest
 
 from habilis.learning.config import Config
 from habilis.learning.runs import Run
+from habilis.studies.comparison import Outcome
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.tables import Result, comparisons, table
-from habilis.studies.comparison import Outcome
 from habilis.worlds.world import load_world
 
 FIRST, SECOND = EXPERIMENTS

@@ -7,10 +7,9 @@ import pytest
 
 from habilis.analysis.landscape import landscape
 from habilis.empowerment import empowerment
-from habilis.analysis.landscape import landscape
 from habilis.studies.paper.numbers import measure
-from habilis.studies.paper.worlds import CachedWorld
 from habilis.studies.paper.targets import Target, load_targets, parse_targets, target_names
+from habilis.studies.paper.worlds import CachedWorld
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World, load_world
 

@@ -141,8 +141,8 @@ def test_coloured_text_tells_every_goal_and_which_tool_is_in_hand():
     assert underlined == {"R"}
 
 
-def test_a_film_is_of_one_world(tmp_path: Path):
-    save_gif([ROOM, replace(ROOM, agent=(2, 3))], tmp_path / "film.gif", cell=8)
+def test_a_video_is_of_one_world(tmp_path: Path):
+    save_gif([ROOM, replace(ROOM, agent=(2, 3))], tmp_path / "video.gif", cell=8)
     other = World.parse((ABOVE + MAP).replace("E = ball", "E = crate"))
     with pytest.raises(ValueError, match="state 1 is of another world"):
         save_gif([ROOM, other], tmp_path / "no.gif", cell=8)

@@ -1,4 +1,4 @@
-"""A film shows the frames it was given: the file is read back and looked at."""
+"""A video shows the frames it was given: the file is read back and looked at."""
 
 import subprocess
 import sys
@@ -14,7 +14,7 @@ from video import read_mp4
 import habilis as hb
 from habilis.extras import MissingExtraError
 from habilis.worlds.pictures.figures import frame
-from habilis.worlds.pictures.video import save_film, save_gif, save_mp4
+from habilis.worlds.pictures.video import save_gif, save_mp4, save_video
 from habilis.worlds.world import World
 
 ROOM = World.parse("#####G\n#.....\n#..AP.\n#....C\n", name="room")
@@ -26,11 +26,11 @@ def walk() -> list[World]:
 
 
 def frames_of(path: Path) -> list[Image.Image]:
-    with Image.open(path) as film:
-        return [image.copy() for image in ImageSequence.Iterator(film)]
+    with Image.open(path) as video:
+        return [image.copy() for image in ImageSequence.Iterator(video)]
 
 
-def test_a_film_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
+def test_a_gif_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
     save_gif(walk(), tmp_path / "walk.gif", cell=20, milliseconds=100)
     frames = frames_of(tmp_path / "walk.gif")
     assert [image.size for image in frames] == [(120, 80)] * 4
@@ -39,14 +39,14 @@ def test_a_film_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
     assert durations[3] > 300
 
 
-def test_still_things_do_not_flicker_in_a_film(tmp_path: Path):
+def test_still_things_do_not_flicker_in_a_video(tmp_path: Path):
     save_gif(walk(), tmp_path / "walk.gif")
     pictures = [np.asarray(image.convert("RGB")) for image in frames_of(tmp_path / "walk.gif")]
     can = np.s_[3 * 32 : 4 * 32, 5 * 32 : 6 * 32]
     assert len({picture[can].tobytes() for picture in pictures}) == 1
 
 
-def test_a_film_keeps_the_colours_of_its_frames(tmp_path: Path):
+def test_a_video_keeps_the_colours_of_its_frames(tmp_path: Path):
     states = [*walk(), replace(ROOM, tool="none", object=ROOM.goal)]
     save_gif(states, tmp_path / "walk.gif")
     for state, image in zip(states, frames_of(tmp_path / "walk.gif"), strict=True):
@@ -61,7 +61,7 @@ def told_of(path: Path) -> str:
     return subprocess.run([ffmpeg, "-i", path], capture_output=True, text=True).stderr
 
 
-def test_a_video_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
+def test_an_mp4_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
     save_mp4(walk(), tmp_path / "walk.mp4", milliseconds=200)
     frames = read_mp4(tmp_path / "walk.mp4", 6 * 32, 4 * 32)
     assert len(frames) == 4 + 5
@@ -77,14 +77,14 @@ def test_a_video_plays_in_browsers(tmp_path: Path):
     told = told_of(tmp_path / "walk.mp4")
     assert "Video: h264" in told
     assert "yuv420p(tv, bt709" in told
-    film = (tmp_path / "walk.mp4").read_bytes()
-    assert film.index(b"moov") < film.index(b"mdat")  # starts before all of it has come
+    video = (tmp_path / "walk.mp4").read_bytes()
+    assert video.index(b"moov") < video.index(b"mdat")  # starts before all of it has come
 
 
 def test_colours_of_a_video_are_those_of_its_frames(tmp_path: Path):
     colours = [(0, 114, 178), (213, 94, 0), (240, 194, 75), (255, 255, 255), (0, 0, 0)]
     pictures = [np.full((32, 48, 3), colour, np.uint8) for colour in colours]
-    save_film(pictures, tmp_path / "colours.mp4")
+    save_video(pictures, tmp_path / "colours.mp4")
     for picture, colour in zip(read_mp4(tmp_path / "colours.mp4", 48, 32), colours, strict=False):
         assert np.abs(picture.astype(int) - colour).max() <= 4
 
@@ -100,24 +100,24 @@ def test_an_odd_size_is_made_even_by_repeating_the_edge(tmp_path: Path):
     assert np.abs(edge[33] - edge[32]).max() < 30
 
 
-def test_the_suffix_says_which_film(tmp_path: Path):
-    for name in ("film.gif", "film.MP4"):
-        hb.save_film(walk(), tmp_path / name, cell=16)
-    assert (tmp_path / "film.gif").read_bytes().startswith(b"GIF89a")
-    assert (tmp_path / "film.MP4").read_bytes()[4:8] == b"ftyp"
+def test_the_suffix_says_which_video(tmp_path: Path):
+    for name in ("video.gif", "video.MP4"):
+        hb.save_video(walk(), tmp_path / name, cell=16)
+    assert (tmp_path / "video.gif").read_bytes().startswith(b"GIF89a")
+    assert (tmp_path / "video.MP4").read_bytes()[4:8] == b"ftyp"
 
 
 @pytest.mark.parametrize("name", ["pictures.gif", "pictures.mp4"])
-def test_pictures_make_the_film_that_their_states_make(name: str, tmp_path: Path):
-    save_film(walk(), tmp_path / name)
+def test_pictures_make_the_video_that_their_states_make(name: str, tmp_path: Path):
+    save_video(walk(), tmp_path / name)
     of_states = (tmp_path / name).read_bytes()
-    save_film(np.stack([frame(state) for state in walk()]), tmp_path / name)
+    save_video(np.stack([frame(state) for state in walk()]), tmp_path / name)
     assert (tmp_path / name).read_bytes() == of_states
 
 
 @pytest.mark.parametrize("suffix", ["gif", "mp4"])
 @pytest.mark.ill_typed
-def test_a_film_that_cannot_be_made_is_refused_and_nothing_written(suffix: str, tmp_path: Path):
+def test_a_video_that_cannot_be_made_is_refused_and_nothing_written(suffix: str, tmp_path: Path):
     path = tmp_path / f"walk.{suffix}"
     picture = np.zeros((8, 8, 3), np.uint8)
     for states, says in (
@@ -128,26 +128,26 @@ def test_a_film_that_cannot_be_made_is_refused_and_nothing_written(suffix: str, 
         ([picture[..., :1]], r"\(8, 8, 1\)"),
     ):
         with pytest.raises(ValueError, match=says):
-            save_film(states, path)
+            save_video(states, path)
     with pytest.raises(ValueError, match="milliseconds is 0"):
-        save_film(walk(), path, milliseconds=0)
+        save_video(walk(), path, milliseconds=0)
     assert not list(tmp_path.iterdir())
 
 
-def test_a_film_with_another_suffix_is_refused(tmp_path: Path):
+def test_a_video_with_another_suffix_is_refused(tmp_path: Path):
     with pytest.raises(ValueError, match=r"'\.png'.*\.gif"):
         save_gif([ROOM], tmp_path / "walk.png")
     with pytest.raises(ValueError, match=r"'\.gif'.*\.mp4"):
         save_mp4([ROOM], tmp_path / "walk.gif")
     with pytest.raises(ValueError, match=r"'\.avi'.*\.gif, \.mp4"):
-        save_film([ROOM], tmp_path / "walk.avi")
+        save_video([ROOM], tmp_path / "walk.avi")
     assert not list(tmp_path.iterdir())
 
 
 def test_a_place_that_cannot_be_written_is_an_os_error(tmp_path: Path):
     for name in ("walk.gif", "walk.mp4"):
         with pytest.raises(FileNotFoundError):
-            save_film(walk(), tmp_path / "nowhere" / name)
+            save_video(walk(), tmp_path / "nowhere" / name)
 
 
 def test_a_video_says_which_extra_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -181,12 +181,12 @@ def test_numbers_that_are_no_whole_ones_are_refused(suffix, numbers, tmp_path: P
     path = tmp_path / f"walk{suffix}"
     (name,) = numbers
     with pytest.raises(ValueError, match=f"{name} is .*; give a whole number of at least 1"):
-        save_film(walk(), path, **numbers)
+        save_video(walk(), path, **numbers)
     assert not path.exists()
 
 
 @pytest.mark.parametrize("milliseconds", [5, 200_000])
 def test_times_that_a_gif_cannot_say_are_refused(milliseconds, tmp_path: Path):
     with pytest.raises(ValueError, match=f"milliseconds is {milliseconds}; a GIF takes 10 to"):
-        save_film(walk(), tmp_path / "walk.gif", milliseconds=milliseconds)
+        save_video(walk(), tmp_path / "walk.gif", milliseconds=milliseconds)
     assert not any(tmp_path.iterdir())

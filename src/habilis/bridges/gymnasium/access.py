@@ -333,7 +333,7 @@ def _set(owner: Any, name: str, value: Any) -> None:
 
 
 def without_recorders(env: Any) -> Any:
-    """Takes out the wrappers that make films and windows: copies must not write over the user's."""
+    """Removes wrappers that record or show: copies must not overwrite the user's videos."""
     while type(env).__module__ == "gymnasium.wrappers.rendering":
         env = env.env
     layer = env

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from habilis.studies.paper.curves import Curves, attached_share, equipped_share
+from habilis.studies.comparison import Outcome, verdict_of
 from habilis.studies.pace.data import Learner
 from habilis.studies.pace.ratios import Ratio, ratio_over
+from habilis.studies.paper.curves import Curves, attached_share, equipped_share
 from habilis.studies.paper.published import EXPERIMENTS, Experiment
 from habilis.studies.paper.tables import Comparison, Result, comparisons
-from habilis.studies.comparison import Outcome, verdict_of
 
 EARLY = 1_000
 """The "initial stage of learning" over which shares of Figure 2 are compared, in episodes."""

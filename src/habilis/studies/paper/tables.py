@@ -10,10 +10,10 @@ import polars as pl
 from scipy.stats import ttest_ind, ttest_ind_from_stats
 
 from habilis.learning.runs import Run
+from habilis.studies.comparison import Outcome, outcome_of, verdict_of
 from habilis.studies.pace.data import Learner, Pace
 from habilis.studies.pace.ratios import Ratio, bound, ratio_over
 from habilis.studies.paper.published import RUNS, Experiment, Row
-from habilis.studies.comparison import Outcome, outcome_of, verdict_of
 
 
 @dataclass(frozen=True, eq=False)

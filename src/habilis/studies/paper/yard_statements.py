@@ -10,7 +10,6 @@ import numpy as np
 
 from habilis.analysis.averages import compared_states
 from habilis.empowerment import empowerment
-from habilis.analysis.averages import compared_states
 from habilis.studies.paper.findings import Statement
 from habilis.studies.paper.worlds import PaperWorlds
 

@@ -1,1 +1,5 @@
-"""Pictures of worlds: shapes, figures, heatmaps, tiles, video."""
+"""Pictures of worlds: figures, tiles of pixels, shapes of things, heatmaps, video."""
+
+from habilis.lazy import public
+
+__getattr__, __dir__, __all__ = public(__name__)

@@ -87,9 +87,14 @@ def draw_map(
 
 
 def world_figure(world: World, cell: int | None = None) -> Figure:
-    """The picture of a world as a figure of `cell * width` by `cell * height` pixels.
+    """Draws a world.
 
-    By default a cell has 48 pixels, and on maps of more than 100 cells across fewer.
+    Args:
+        world: the map, in any state.
+        cell: pixels per cell; by default 48, and fewer on maps of more than 100 cells across.
+
+    Returns:
+        A figure of `cell * width` by `cell * height` pixels.
     """
     cell = cell_size(max(world.width, world.height)) if cell is None else cell
     figure = new_figure(cell * world.width, cell * world.height)

@@ -39,10 +39,17 @@ class Tiles:
 
     @classmethod
     def of(cls, world: World, cell: int = 32) -> "Tiles":
-        """Draws the tiles of a world, `cell` by `cell` pixels each.
+        """Draws the tiles of a world.
 
         They take `3 * cells * cell ** 2` bytes of memory for the agent and for each object, five
         times as many for each tool: 8 MB for a map of 20 x 20 cells with one of each.
+
+        Args:
+            world: the map, in any state.
+            cell: the side of a tile, in pixels.
+
+        Returns:
+            The tiles of everything that the world has.
 
         Example:
             >>> tiles = Tiles.of(World.parse("A.CG", "line"), cell=8)
@@ -74,7 +81,14 @@ class Tiles:
         return self.tools[0] if self.tools else None
 
     def picture(self, state: World) -> UInt8[np.ndarray, "height width 3"]:
-        """The picture of a state of the same world (see `frame`)."""
+        """Draws a state.
+
+        Args:
+            state: of the same world.
+
+        Returns:
+            Its picture (see `frame`).
+        """
 
         def labels(cell: Cell) -> list[int]:
             return [cell[0] * state.width + cell[1]]
@@ -86,20 +100,28 @@ class Tiles:
     def frame(
         self, agent: int, tool: int | None, object: int
     ) -> UInt8[np.ndarray, "height width 3"]:
-        """The picture of a state: what `pictures.frame` gives, to the pixel.
+        """Draws a state, given by its cells.
 
         Args:
-            agent, tool, object: distinct free cells, as `row * width + column`. The tool's is not
-                looked at in a world without one.
+            agent, tool, object: distinct free cells, as `row * width + column`. The tool's is
+                ignored in a world without one.
+
+        Returns:
+            Its picture, equal to the pixel to the one that Matplotlib draws.
         """
         return self.frames([agent], None if tool is None else [tool], [object])[0]
 
     def frames(
         self, agent: ArrayLike, tool: ArrayLike | None, object: ArrayLike
     ) -> UInt8[np.ndarray, "N height width 3"]:
-        """The pictures of N states, of which each argument gives the N cells (see `frame`).
+        """Draws N states of a world with one object and at most one tool.
 
-        Of a world with one object and at most one tool, which is in hand beside the agent.
+        Args:
+            agent, tool, object: the N cells of each (see `frame`); a tool next to the agent is in
+                hand.
+
+        Returns:
+            Their pictures.
         """
         return self.laid(agent, [] if tool is None else [tool], [object])
 
@@ -110,12 +132,15 @@ class Tiles:
         objects: Sequence[ArrayLike],
         held: ArrayLike | None = None,
     ) -> UInt8[np.ndarray, "N height width 3"]:
-        """The pictures of N states of a world with any number of things.
+        """Draws N states of a world with any number of tools and objects.
 
         Args:
             agent: the N cells of the agent, `row * width + column`.
             tools, objects: those of each tool and each object.
-            held: which tool is in hand, -1 for none; `None`: any that is beside the agent.
+            held: the index of the tool in hand, -1 for none; `None`: any tool next to the agent.
+
+        Returns:
+            Their pictures.
         """
         agent = np.asarray(agent)
         rows, size, columns, _, _ = self.empty.shape

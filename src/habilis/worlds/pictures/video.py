@@ -1,4 +1,4 @@
-"""Films of episodes: GIF for pages and mails, MP4 for browsers and slides."""
+"""Videos of episodes: GIF for pages and mails, MP4 for browsers and slides."""
 
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
@@ -21,13 +21,13 @@ Frame = UInt8[np.ndarray, "height width 3"]
 Frames = Sequence[Frame] | UInt8[np.ndarray, "frames height width 3"]
 States = Sequence[World] | Frames
 
-_REST = 6  # how many times longer a film stays on its last frame
+_REST = 6  # how many times longer a video stays on its last frame
 _TICK, _LONGEST = 10, 655_350  # milliseconds: a GIF counts hundredths, in 16 bits
 _COLOURS = "bt709"  # said in the file, so that players do not guess
 
 
-def save_film(states: States, path: str | Path, cell: int = 32, milliseconds: int = 250) -> None:
-    """Writes an episode as a film, a GIF or an MP4 by the suffix, that rests on its last state.
+def save_video(states: States, path: str | Path, cell: int = 32, milliseconds: int = 250) -> None:
+    """Writes an episode as a video, a GIF or an MP4 by the suffix, that rests on its last state.
 
     Args:
         states: states of one world in order, or pictures of one size, red, green and blue.
@@ -46,13 +46,13 @@ def save_film(states: States, path: str | Path, cell: int = 32, milliseconds: in
         >>> mdp = hb.tabulate(world)
         >>> plan = hb.solve(mdp)
         >>> states = [hb.placement(world, mdp, state) for state in plan.states]
-        >>> hb.save_film(states, "plan.gif")  # doctest: +SKIP
+        >>> hb.save_video(states, "plan.gif")  # doctest: +SKIP
     """
     _SAVERS[suffix_of(path, _SAVERS)](states, path, cell, milliseconds)
 
 
 def save_gif(states: States, path: str | Path, cell: int = 32, milliseconds: int = 250) -> None:
-    """Writes a GIF that repeats for ever (see `save_film`).
+    """Writes a GIF that repeats for ever (see `save_video`).
 
     Equal neighbours share a frame that stays on for both.
     """
@@ -80,7 +80,7 @@ def save_gif(states: States, path: str | Path, cell: int = 32, milliseconds: int
 
 
 def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int = 250) -> None:
-    """Writes an MP4 that plays everywhere: H.264, even sizes, 4:2:0 (see `save_film`).
+    """Writes an MP4 that plays everywhere: H.264, even sizes, 4:2:0 (see `save_video`).
 
     A picture of odd width or height is repeated at its last column or row.
     """
@@ -90,14 +90,14 @@ def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int
     rate = str(Fraction(1000, milliseconds))
     encoder = check_video()
     with TemporaryDirectory() as folder, TemporaryFile() as complaints:
-        film = Path(folder) / "film.mp4"
+        video = Path(folder) / "video.mp4"
         command = [  # ffmpeg below 7.1 converts to the colours that it is told of by "scale" only
             *(encoder, "-loglevel", "error"),
             *("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate),
             *("-i", "-", "-vf", f"scale=out_color_matrix={_COLOURS}:out_range=tv"),
             *("-c:v", "libx264", "-crf", "16", "-pix_fmt", "yuv420p"),
             *("-colorspace", _COLOURS, "-color_primaries", _COLOURS, "-color_trc", _COLOURS),
-            *("-movflags", "+faststart", str(film)),
+            *("-movflags", "+faststart", str(video)),
         ]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=complaints) as process:
             assert process.stdin is not None
@@ -110,7 +110,7 @@ def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int
         if process.returncode:
             complaints.seek(0)
             raise OSError(f"ffmpeg: {complaints.read().decode(errors='replace').strip()}")
-        write_whole(path, lambda file: file.write(film.read_bytes()))
+        write_whole(path, lambda file: file.write(video.read_bytes()))
 
 
 def check_video() -> str:
@@ -140,7 +140,7 @@ def _checked(
 ) -> tuple[Frame, Frame, Iterator[Frame]]:
     """The first frame, the last, and all of them one after the other."""
     if not len(states):
-        raise ValueError(f"{path}: a film of no states; give at least one")
+        raise ValueError(f"{path}: a video of no states; give at least one")
     for name, number in (("milliseconds", milliseconds), ("cell", cell)):
         if isinstance(number, bool) or not isinstance(number, int) or number < 1:
             raise ValueError(f"{path}: {name} is {number!r}; give a whole number of at least 1")

@@ -1,0 +1,46 @@
+# The public names: `__init__.py` imports each from here on first use.
+from habilis.analysis import Landscape as Landscape
+from habilis.analysis import Pairs as Pairs
+from habilis.analysis import compare as compare
+from habilis.analysis import draw_landscapes as draw_landscapes
+from habilis.analysis import landscape as landscape
+from habilis.analysis import pairs as pairs
+from habilis.analysis import save_table as save_table
+from habilis.analysis import to_dataframe as to_dataframe
+from habilis.channels import Capacity as Capacity
+from habilis.channels import ConvergenceWarning as ConvergenceWarning
+from habilis.channels import capacity as capacity
+from habilis.empowerment import empowerment as empowerment
+from habilis.empowerment import persistence as persistence
+from habilis.envs import EmpowermentReward as EmpowermentReward
+from habilis.learning.algorithms import A2C as A2C
+from habilis.learning.algorithms import PPO as PPO
+from habilis.learning.algorithms import QLearning as QLearning
+from habilis.learning.algorithms import SoftValueIteration as SoftValueIteration
+from habilis.learning.config import Config as Config
+from habilis.learning.presets import preset as preset
+from habilis.learning.train import train as train
+from habilis.mdp import TabularMDP as TabularMDP
+from habilis.studies.reproduction.reproduce import reproduce as reproduce
+from habilis.worlds import Plan as Plan
+from habilis.worlds import Tool as Tool
+from habilis.worlds import World as World
+from habilis.worlds import check_tool as check_tool
+from habilis.worlds import load_world as load_world
+from habilis.worlds import placement as placement
+from habilis.worlds import solve as solve
+from habilis.worlds import tabulate as tabulate
+from habilis.worlds import world_names as world_names
+from habilis.worlds.pictures import save_video as save_video
+
+from . import analysis as analysis
+from . import channels as channels
+from . import envs as envs
+from . import learning as learning
+from . import rewards as rewards
+from . import studies as studies
+from . import sweeps as sweeps
+from . import worlds as worlds
+
+__version__: str
+__all__: list[str]
