@@ -13,8 +13,7 @@ from scipy.sparse import coo_array, csr_array, csr_matrix, eye_array
 from slow_channels import blahut_arimoto, divergences
 
 import habilis as hb
-from habilis.channels import capacity as module
-from habilis.channels.capacity import Capacity, ConvergenceWarning
+from habilis.channels.capacity import Capacity, ConvergenceWarning, merge_rows
 
 
 def entropy(*probabilities: float) -> float:
@@ -262,10 +261,10 @@ def test_inputs_merged_by_mistake_are_told_by_the_certificate(monkeypatch: pytes
     def all_alike(matrix, add=False):
         return matrix[[0]], np.zeros(matrix.shape[0], np.int64), np.array([0])
 
-    merge = module.merge_rows
-    monkeypatch.setattr(
-        module, "merge_rows", lambda m, add=False: merge(m, add) if add else all_alike(m)
-    )
+    def merged(matrix, add=False):
+        return merge_rows(matrix, add) if add else all_alike(matrix)
+
+    monkeypatch.setattr("habilis.channels.capacity.merge_rows", merged)
     with pytest.warns(ConvergenceWarning):
         found = hb.capacity([[1, 0], [0.5, 0.5]])
     assert found.bits < np.log2(1.25) <= found.bits + found.gap

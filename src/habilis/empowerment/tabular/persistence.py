@@ -5,8 +5,10 @@ order: who leaves one never comes back to it. So the agent ends up in one of the
 """
 
 import numpy as np
-from jaxtyping import Float64, Int32, Int64
+from jaxtyping import Float64, Int32, Int64, Integer
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from habilis.compiled import compiled
 from habilis.empowerment.arguments import Unit, chosen_actions, chosen_states, per_bit
@@ -67,7 +69,8 @@ def persistence(
     labels, label_count = observations(mdp, sensor)
     starts = chosen_states(mdp, states)
     with progress_bar("components", show_progress):
-        component, closed = _components(table, starts.astype(np.int32))
+        component = _components(table)
+        closed = np.argsort(component, kind="stable")
         most = _most_in_reach(table, labels, label_count, component, closed)
     return np.log2(most[component[starts]]) * scale
 
@@ -97,57 +100,21 @@ def _certain_table(
     return np.where(table < 0, np.arange(mdp.states, dtype=np.int32)[:, None], table)
 
 
-@compiled
-def _components(
-    table: Int32[np.ndarray, "S A"], starts: Int32[np.ndarray, "n"]
-) -> tuple[Int32[np.ndarray, "S"], Int32[np.ndarray, "reached"]]:
-    """The strongly connected components of what can be reached (Tarjan 1972).
+def _components(table: Int32[np.ndarray, "S A"]) -> Int32[np.ndarray, "S"]:
+    """The strongly connected component of each state.
 
     Returns:
-        For each state its component, -1 where it cannot be reached. They are numbered as they are
-        closed: actions lead to a component's own states and to components of lower numbers. And
-        the states reached, component by component in that order.
+        Their numbers from 0 up, in reverse topological order: actions lead to a state's own
+        component and to components of lower numbers.
     """
     states, actions = table.shape
-    component = np.full(states, -1, np.int32)
-    met = np.full(states, -1, np.int32)  # when the state was first met
-    earliest = np.empty(states, np.int32)  # of those met that it leads back to
-    following = np.zeros(states, np.int32)  # the action to be followed next
-    path, waiting = np.empty(states, np.int32), np.empty(states, np.int32)
-    closed = np.empty(states, np.int32)
-    time = components = waits = done = 0
-    for start in starts:
-        if met[start] >= 0:
-            continue
-        path[0], depth = start, 1
-        while depth:
-            s = path[depth - 1]
-            if met[s] < 0:
-                met[s] = earliest[s] = time
-                time += 1
-                waiting[waits] = s
-                waits += 1
-            if following[s] < actions:
-                t = table[s, following[s]]
-                following[s] += 1
-                if met[t] < 0:
-                    path[depth] = t
-                    depth += 1
-                elif component[t] < 0:
-                    earliest[s] = min(earliest[s], met[t])
-                continue
-            depth -= 1
-            if depth:
-                before = path[depth - 1]
-                earliest[before] = min(earliest[before], earliest[s])
-            if earliest[s] == met[s]:
-                while component[s] < 0:
-                    waits -= 1
-                    component[waiting[waits]] = components
-                    closed[done] = waiting[waits]
-                    done += 1
-                components += 1
-    return component, closed[:done]
+    rows = np.arange(0, table.size + 1, actions)
+    graph = csr_array((np.ones(table.size, np.int8), table.ravel(), rows), (states, states))
+    _, component = connected_components(graph, connection="strong")
+    assert (component[table] <= component[:, None]).all(), (
+        "SciPy numbers components as it closes them"
+    )
+    return component
 
 
 @compiled
@@ -156,10 +123,13 @@ def _most_in_reach(
     labels: Int32[np.ndarray, "S"],
     label_count: int,
     component: Int32[np.ndarray, "S"],
-    closed: Int32[np.ndarray, "reached"],
+    closed: Integer[np.ndarray, "S"],
 ) -> Int64[np.ndarray, "components"]:
-    """For each component the most observations in one that it leads to, itself among them."""
-    components = component[closed[-1]] + 1 if len(closed) else 0
+    """For each component the most observations in one that it leads to, itself among them.
+
+    `closed` lists the states component by component.
+    """
+    components = component[closed[-1]] + 1
     own, beyond = np.zeros(components, np.int64), np.zeros(components, np.int64)
     counted_for = np.full(label_count, -1, np.int32)
     for s in closed:
