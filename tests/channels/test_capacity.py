@@ -1,6 +1,7 @@
 """A capacity is what theory says, and its certificate holds whatever the channel."""
 
 import re
+import sys
 import warnings
 from typing import Any
 
@@ -264,7 +265,8 @@ def test_inputs_merged_by_mistake_are_told_by_the_certificate(monkeypatch: pytes
     def merged(matrix, add=False):
         return merge_rows(matrix, add) if add else all_alike(matrix)
 
-    monkeypatch.setattr("habilis.channels.capacity.merge_rows", merged)
+    # The package's `capacity` is the function, so the module is not an attribute of it.
+    monkeypatch.setattr(sys.modules["habilis.channels.capacity"], "merge_rows", merged)
     with pytest.warns(ConvergenceWarning):
         found = hb.capacity([[1, 0], [0.5, 0.5]])
     assert found.bits < np.log2(1.25) <= found.bits + found.gap
