@@ -30,7 +30,14 @@ class Transitions(NamedTuple):
 
     @classmethod
     def of(cls, mdp: TabularMDP) -> "Transitions":
-        """The transitions of a table, in float64; of a deterministic one K is 1."""
+        """The transitions of a table.
+
+        Args:
+            mdp: deterministic (K is 1) or stochastic.
+
+        Returns:
+            NumPy arrays, rewards and probabilities in float64.
+        """
         if isinstance(mdp.transitions, np.ndarray):
             next_state = mdp.transitions
             if not mdp.always_available:
@@ -82,6 +89,9 @@ class Transitions(NamedTuple):
             choice: `s * A + a`, the actions that are taken.
             draw: a uniform number from [0, 1) for each, which decides on the outcome; `None` in a
                 deterministic table.
+
+        Returns:
+            int[*n], indices into `next_state` and `reward`.
         """
         if draw is None:
             return choice
