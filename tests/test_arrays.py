@@ -30,7 +30,7 @@ SENSED: dict[str, Callable[[Any], Any]] = {
     "empowerment": lambda s: hb.empowerment(TABLE, 2, s),
     "of some states": lambda s: hb.empowerment(TABLE, 2, s, states=[0, 5, 9]),
     "noisy": lambda s: hb.empowerment(TABLE.slippery(0.2), 2, s, states=[0, 5, 9]),
-    "sampled": lambda s: hb.empowerment(TABLE, 2, s, method="sampled", samples=9),
+    "sampled": lambda s: hb.empowerment(TABLE, 2, s, method=hb.Sampled(samples=9)),
     "kept": lambda s: kept_empowerment(TABLE, 2, s),
     "landscape": lambda s: hb.landscape(WORLD, 2, s).values,
     "by horizon": lambda s: empowerment_by_horizon(TABLE, 2, s),
@@ -217,8 +217,10 @@ def test_a_number_of_numpys_is_a_number(kind: Any):
     assert hb.tabulate(WORLD, half).is_stochastic
     assert TableEnv(TABLE, slip=half).mdp.states == TABLE.states
     assert hb.capacity(np.eye(2), half).bits == pytest.approx(1)
-    limits: Any = {"max_gib": half, "max_seconds": half, "tolerance": half}
-    assert hb.empowerment(RING, 1, **limits).tolist() == hb.empowerment(RING, 1).tolist()
+    method = hb.Exact(max_gib=half, max_seconds=half, tolerance=half, threads=np.int64(3))  # pyright: ignore[reportArgumentType]
+    assert repr(method) == repr(hb.Exact(0.5, 0.5, 0.5, 3))
+    assert repr(hb.Sampled(np.int64(3), np.int8(1))) == repr(hb.Sampled(3, 1))  # pyright: ignore[reportArgumentType]
+    assert hb.empowerment(RING, 1, method=method).tolist() == hb.empowerment(RING, 1).tolist()
 
 
 @pytest.mark.parametrize("slip", [np.bool_(True), np.float32("nan"), np.float32(1.5), 0.5j, "0.5"])

@@ -111,6 +111,18 @@ def test_kept_empowerment_goes_by_all_that_it_depends_on(tmp_path, slip):
     assert len(list(tmp_path.iterdir())) == len(asked) + 1
 
 
+def test_what_a_computation_may_cost_makes_no_other_values(tmp_path):
+    mdp = hb.tabulate(hb.World.parse("AP.CG"), slip=0.1)
+    for method in (hb.Exact(), hb.Exact(threads=2, max_gib=1.0), hb.Exact(max_seconds=60.0)):
+        kept_empowerment(mdp, 2, "object", folder=tmp_path, method=method)
+    assert len(list(tmp_path.iterdir())) == 1
+    others = [hb.Exact(1e-3), hb.Sampled(3), hb.Sampled(4), hb.Sampled(4, 1)]
+    for method in [*others, hb.Sampled(4, 1, threads=2)]:
+        found = kept_empowerment(mdp, 2, "object", folder=tmp_path, method=method)
+        np.testing.assert_array_equal(found, hb.empowerment(mdp, 2, "object", method=method))
+    assert len(list(tmp_path.iterdir())) == 1 + len(others)
+
+
 def test_equal_tables_share_what_is_kept(tmp_path):
     for name in ("one", "other"):
         mdp = hb.tabulate(hb.World.parse("AP.CG\n.....\n", name))

@@ -10,6 +10,8 @@ from habilis.analysis import to_dataframe as to_dataframe
 from habilis.channels import Capacity as Capacity
 from habilis.channels import ConvergenceWarning as ConvergenceWarning
 from habilis.channels import capacity as capacity
+from habilis.empowerment import Exact as Exact
+from habilis.empowerment import Sampled as Sampled
 from habilis.empowerment import empowerment as empowerment
 from habilis.empowerment import persistence as persistence
 from habilis.envs import EmpowermentReward as EmpowermentReward

@@ -120,7 +120,11 @@ def test_sequences_are_arrows_in_a_world_and_names_or_numbers_elsewhere():
         ({"horizon": -1}, "horizon is -1"),
         ({"sensor": "nose"}, "sensor 'nose' is unknown"),
         ({"unit": "bytes"}, "unit is 'bytes'"),
-        ({"max_gib": -1}, "max_gib is -1"),
+        ({"method": hb.Sampled()}, "method is Sampled("),
+        (
+            {"sensor": "agent + object"},
+            "sensor is 'agent + object', and futures are those of a single",
+        ),
     ],
 )
 @pytest.mark.ill_typed
@@ -132,7 +136,7 @@ def test_bad_input_is_refused(arguments: Any, message: str):
 def test_what_does_not_fit_is_refused_with_the_largest_horizon_that_does():
     mdp = hb.tabulate(hb.load_world("yard"), slip=0.1)
     with pytest.raises(ValueError, match=r"horizon 30 takes about .* that fits is about \d+"):
-        futures(mdp, mdp.start, 30, max_gib=0.01)
+        futures(mdp, mdp.start, 30, method=hb.Exact(max_gib=0.01))
 
 
 def test_the_command_line_shows_futures(capsys: pytest.CaptureFixture[str], tmp_path):
@@ -172,7 +176,7 @@ def test_bad_questions_on_the_command_line_get_one_line(
 def test_futures_keep_to_both_limits(limit: Any):
     mdp = hb.tabulate(WORLD)
     with pytest.raises(ValueError, match=r"horizon 8 takes about .*: .*raise max_gib or max_sec"):
-        futures(mdp, mdp.start, 8, **limit)
+        futures(mdp, mdp.start, 8, method=hb.Exact(**limit))
     assert futures(mdp, mdp.start, 8).empowerment > 0
 
 

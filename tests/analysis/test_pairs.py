@@ -150,7 +150,7 @@ def test_what_is_not_there_is_refused():
         with pytest.raises(ValueError, match=says):
             pairs(ROOM, *arguments)
     with pytest.raises(ValueError, match=r"horizon 9 takes about .*largest horizon that fits"):
-        pairs(ROOM, 9, slip=0.1, max_seconds=1.0)
+        pairs(ROOM, 9, slip=0.1, method=hb.Exact(max_seconds=1.0))
 
 
 def test_nats_are_fewer_than_bits(found):

@@ -83,7 +83,7 @@ def test_the_true_value_lies_in_the_certificate(seed: int, horizon: int, certain
     mdp = TabularMDP.stochastic(P)
     bits, gap = hb.empowerment(mdp, horizon, sensor, given, return_gap=True)
     low, wide = hb.empowerment(
-        mdp, horizon, sensor, given, return_gap=True, method="sampled", samples=20
+        mdp, horizon, sensor, given, return_gap=True, method=hb.Sampled(samples=20)
     )
     assert (gap <= 1e-6).all()
     for state in range(len(P)):
@@ -177,7 +177,7 @@ def test_a_possibility_however_small_is_not_forgotten():
     bits, gap = hb.empowerment(mdp, horizon, return_gap=True)
     assert bits[0] == gap[0] == 0
     assert bits[1] == 1
-    assert hb.empowerment(mdp, horizon, method="sampled", samples=5)[0] == 0
+    assert hb.empowerment(mdp, horizon, method=hb.Sampled(samples=5))[0] == 0
 
 
 @settings(max_examples=60, deadline=None)
@@ -209,7 +209,7 @@ def test_limits_are_estimated_where_nothing_can_be_done(horizon: int):
 
 def test_a_table_whose_actions_are_nowhere_available_has_no_empowerment():
     mdp = TabularMDP.deterministic([[-1, -1], [-1, -1]])
-    each: list[dict[str, Any]] = [{}, {"sensor": np.eye(2)}, {"method": "sampled"}]
+    each: list[dict[str, Any]] = [{}, {"sensor": np.eye(2)}, {"method": hb.Sampled()}]
     for options in each:
         for horizon in (0, 1, 5):
             bits, gap = hb.empowerment(mdp, horizon, return_gap=True, **options)

@@ -39,7 +39,7 @@ def test_rows_of_a_world_are_the_same_to_the_last_bit(tool):
 
 
 @pytest.mark.parametrize(
-    "options", [{}, {"method": "sampled", "samples": 7, "seed": 3}], ids=["exact", "sampled"]
+    "options", [{}, {"method": hb.Sampled(samples=7, seed=3)}], ids=["exact", "sampled"]
 )
 def test_noise_makes_no_difference(options):
     mdp = hb.tabulate(hb.World.parse("A.C\n.PG"), slip=0.2)

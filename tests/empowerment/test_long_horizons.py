@@ -215,9 +215,9 @@ def test_a_period_too_long_to_be_found_is_refused_and_a_short_one_answered():
     primes = [97, 101, 103, 107, 109, 113, 127, 131, 137, 139, 149, 151]
     long = disjoint_rings(primes)
     with pytest.raises(ValueError, match=r"the largest horizon that fits is about \d+:"):
-        hb.empowerment(long, 10**9, max_seconds=30)
+        hb.empowerment(long, 10**9, method=hb.Exact(max_seconds=30))
     with pytest.raises(ValueError, match=r"the largest horizon that fits is about \d+:"):
-        hb.empowerment(long, 10**9, states=[long.states - 1], max_seconds=10)
+        hb.empowerment(long, 10**9, states=[long.states - 1], method=hb.Exact(max_seconds=10))
     short = disjoint_rings([2, 3, 4])
     last = [short.states - 1]
     assert hb.empowerment(short, 10**9, states=last) == np.log2(3)
@@ -233,7 +233,7 @@ def test_time_is_limited_where_nothing_is_noisy_too(sensor, by_horizon):
         match=r"horizon 60 takes about \S+ GiB and \S+ s; the limits are 8 GiB and .*"
         r"the largest horizon that fits is about \d+: use it, raise max_gib or max_seconds",
     ) as refused:
-        measure(mdp, 60, sensor, max_seconds=1e-4)
+        measure(mdp, 60, sensor, method=hb.Exact(max_seconds=1e-4))
     assert refused.value.fitting < 60
 
 
@@ -243,7 +243,7 @@ def test_memory_is_foreseen_and_not_taken_where_nothing_is_noisy_too(sensor):
     hb.empowerment(mdp, 3, sensor)
     tracemalloc.start()
     with pytest.raises(ValueError, match=r"takes about \S+ GiB; the limits are 1e-05 GiB .* is 0:"):
-        hb.empowerment(mdp, 30, sensor, max_gib=1e-5)
+        hb.empowerment(mdp, 30, sensor, method=hb.Exact(max_gib=1e-5))
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 2 * mdp.next_state.nbytes
@@ -252,10 +252,12 @@ def test_memory_is_foreseen_and_not_taken_where_nothing_is_noisy_too(sensor):
 def test_the_largest_horizon_whose_neighbourhood_fits_is_named():
     line = hb.TabularMDP.deterministic(np.clip(np.arange(9000)[:, None] + [-1, 1], 0, 8999))
     with pytest.raises(TooMuchError, match="the largest horizon that fits is") as refused:
-        hb.empowerment(line, 4000, states=[4500], max_gib=1e-3)
+        hb.empowerment(line, 4000, states=[4500], method=hb.Exact(max_gib=1e-3))
     fitting = refused.value.fitting
     assert 0 < fitting < 4000
-    assert hb.empowerment(line, fitting, states=[4500], max_gib=1e-3) == np.log2(fitting + 1)
+    assert hb.empowerment(line, fitting, states=[4500], method=hb.Exact(max_gib=1e-3)) == np.log2(
+        fitting + 1
+    )
 
 
 def test_rows_for_too_many_horizons_are_refused():
@@ -278,19 +280,19 @@ def test_what_comes_first_is_found_for_any_horizon():
 def test_rows_of_a_period_too_long_are_refused_as_they_come():
     long = disjoint_rings([97, 101, 103, 107, 109, 113])
     with pytest.raises(TooMuchError, match=r"the largest horizon that fits is \d+:") as refused:
-        latency(long, 10**9, "state", threads=1, max_gib=1e-2)
+        latency(long, 10**9, "state", method=hb.Exact(threads=1, max_gib=1e-2))
     assert 0 < refused.value.fitting < 10**5
 
 
 def test_no_action_always_fits():
     mdp = hb.tabulate(hb.load_world("yard"))
-    assert not hb.empowerment(mdp, 0, max_gib=1e-9, max_seconds=1e-9).any()
+    assert not hb.empowerment(mdp, 0, method=hb.Exact(max_gib=1e-9, max_seconds=1e-9)).any()
 
 
 # With noise
 
 
-@pytest.mark.parametrize("options", [{}, {"method": "sampled"}, {"states": [0]}])
+@pytest.mark.parametrize("options", [{}, {"method": hb.Sampled()}, {"states": [0]}])
 def test_endless_beliefs_and_samples_are_refused_at_once(options):
     mdp = hb.tabulate(hb.World.parse("A.C\n.PG"), slip=0.2)
     for horizon in (10**9, 2**31 - 1):
@@ -367,5 +369,5 @@ def test_a_stall_of_the_machine_in_its_first_moments_refuses_nothing(monkeypatch
 def test_the_horizon_that_is_refused_is_the_one_that_was_asked_for():
     line = hb.TabularMDP.deterministic(np.clip(np.arange(9000)[:, None] + [-1, 1], 0, 8999))
     with pytest.raises(TooMuchError, match=r"horizon 1000000000 takes about \S+ GiB") as refused:
-        hb.empowerment(line, 10**9, max_gib=2e-3)
+        hb.empowerment(line, 10**9, method=hb.Exact(max_gib=2e-3))
     assert refused.value.horizon == 10**9

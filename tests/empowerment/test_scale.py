@@ -129,11 +129,11 @@ def test_the_number_of_threads_does_not_matter(threads: int, monkeypatch: pytest
     monkeypatch.setattr(blocks, "_WORTHWHILE", 1)
     mdp = hb.tabulate(big_world())
     for sensor in ("state", "object", mdp.factor("object")):
-        one = hb.empowerment(mdp, 4, sensor, threads=1)
-        assert np.array_equal(one, hb.empowerment(mdp, 4, sensor, threads=threads))
+        one = hb.empowerment(mdp, 4, sensor, method=hb.Exact(threads=1))
+        assert np.array_equal(one, hb.empowerment(mdp, 4, sensor, method=hb.Exact(threads=threads)))
     many = hb.tabulate(hb.load_world("yard"))
-    one = hb.empowerment(many, 3, "state", threads=1)
-    assert np.array_equal(one, hb.empowerment(many, 3, "state", threads=threads))
+    one = hb.empowerment(many, 3, "state", method=hb.Exact(threads=1))
+    assert np.array_equal(one, hb.empowerment(many, 3, "state", method=hb.Exact(threads=threads)))
 
 
 @settings(deadline=None)

@@ -329,6 +329,22 @@ def test_it_passes_gymnasiums_own_check_and_is_part_of_the_spec():
     assert again.step(1)[1] == env.step(1)[1]
 
 
+@pytest.mark.parametrize("sensor", ["object", "agent + object", "agent * object"])
+@pytest.mark.parametrize("method", [hb.Exact(1e-4), hb.Sampled(samples=3, seed=1)])
+def test_the_method_is_that_of_empowerment(sensor, method):
+    env, options = WorldEnv(TEXT, slip=0.2), {"beta": 0.5, "method": method}
+    bits = hb.empowerment(env.mdp.slippery(0.2), 2, sensor, method=method)
+    one = EmpowermentReward(env, 2, sensor, **options)
+    _, info = one.reset(seed=0)
+    assert info["empowerment"] == bits[info["state"]]
+    assert one._saved_kwargs["method"] == method
+    many = EmpowermentReward(WorldVectorEnv(2, TEXT, slip=0.2), 2, sensor, **options)
+    assert (many.reset(seed=0)[1]["empowerment"] == info["empowerment"]).all()
+    jax = pytest.importorskip("habilis.envs.functional").FunctionalEnv(TEXT, slip=0.2)
+    found = jax.with_empowerment(2, sensor, **options).default_params.empowerment.bits
+    np.testing.assert_array_equal(found, bits.astype(np.float32))
+
+
 def test_values_come_from_the_disk_the_second_time(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     first = EmpowermentReward(WorldEnv(TEXT), **TOE)

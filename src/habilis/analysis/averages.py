@@ -7,6 +7,7 @@ from typing import Unpack
 import numpy as np
 
 from habilis.empowerment.api import Options, empowerment
+from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
@@ -17,6 +18,7 @@ NOTHING = 1e-9
 """What rounding can make of no empowerment at all."""
 
 
+@takes_old_keywords
 def average_empowerment(
     mdp: TabularMDP, horizon: int, sensor: str = "object", **options: Unpack[Options]
 ) -> float:
@@ -30,7 +32,7 @@ def average_empowerment(
         mdp: a world's table.
         horizon: h, in actions.
         sensor: as in `empowerment`.
-        **options: of `empowerment`, such as unit="nats".
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         Bits, or nats where these are asked for.
@@ -66,6 +68,7 @@ def held(world: World) -> World:
     return replace(world, drop=False)
 
 
+@takes_old_keywords
 def compare(
     world: World,
     tools: Sequence[str | Tool | type],
@@ -83,7 +86,7 @@ def compare(
             tools of one's own; "none" is the bare agent.
         horizon: h, in actions.
         slip: as in `tabulate`.
-        **options: of `empowerment`.
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         Bits by the tool's name (as in `World.tools` or `World.with_tool`): the average over all

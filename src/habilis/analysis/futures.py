@@ -1,22 +1,24 @@
 """The futures that an agent could choose among: the inputs that attain a state's empowerment."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
 from numpy.typing import ArrayLike
 
-from habilis.channels.capacity import checked_tolerance, warn_of_gap
+from habilis.channels.capacity import warn_of_gap
 from habilis.empowerment.arguments import (
     Unit,
     chosen_actions,
     chosen_states,
     per_bit,
-    positive,
     whole_number,
 )
-from habilis.empowerment.limits import MAX_GIB, MAX_SECONDS, Limits, too_much
+from habilis.empowerment.combined import is_combined
+from habilis.empowerment.limits import too_much
+from habilis.empowerment.methods import Exact, checked_method
+from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_EXACT = Exact()
 _UNUSED = 1e-9  # sequences with less probability are left out
 _ARROWS = ("↑", "→", "↓", "←", "⇑", "⇒", "⇓", "⇐", "↧")
 _MOST = 12  # sequences shown
@@ -63,6 +66,7 @@ class Futures:
         return self.probability @ self.channel
 
 
+@takes_old_keywords
 def futures(
     mdp: TabularMDP,
     state: int,
@@ -70,10 +74,8 @@ def futures(
     sensor: Sensor = "state",
     actions: ArrayLike | None = None,
     *,
+    method: Exact = _EXACT,
     unit: Unit = "bits",
-    tolerance: float = 1e-6,
-    max_gib: float = MAX_GIB,
-    max_seconds: float = MAX_SECONDS,
     show_progress: bool = False,
 ) -> Futures:
     """The capacity-achieving distribution over action sequences of one state.
@@ -86,16 +88,18 @@ def futures(
     (Klyubin, Polani and Nehaniv 2005), found as in `capacity`.
 
     Args:
-        mdp, horizon, sensor, actions, unit, tolerance, max_gib, max_seconds, show_progress: as in
-            `empowerment`.
+        mdp, horizon, actions, unit, show_progress: as in `empowerment`.
         state: the state's index.
+        sensor: as in `empowerment`, but one alone.
+        method: `Exact`, with its settings; one thread works on one state.
 
     Returns:
         The sequences worth choosing among, with their probabilities, and what they lead to; none
         where no sequence can surely be carried out.
 
     Raises:
-        ValueError: as in `empowerment`.
+        ValueError: as in `empowerment`; or a sum or product of several sensors, whose values no one
+            choice of sequences attains together.
 
     Warns:
         ConvergenceWarning: the gap is above the tolerance.
@@ -111,8 +115,12 @@ def futures(
     from habilis.empowerment.tabular.open_loop import exact, problem_of
 
     horizon, scale = whole_number("horizon", horizon), per_bit(unit)
-    tolerance = checked_tolerance(tolerance) / scale
-    limits = Limits(positive("max_gib", max_gib), positive("max_seconds", max_seconds))
+    method = checked_method(method, [Exact])
+    tolerance, limits = method.tolerance / scale, replace(method.limits, otherwise="")
+    if is_combined(mdp, sensor):
+        raise ValueError(
+            f"sensor is {sensor!r}, and futures are those of a single one; give one of them"
+        )
     used = chosen_actions(mdp, actions)
     start = int(chosen_states(mdp, [state])[0])
     most = most_entries(limits, 1)

@@ -14,12 +14,14 @@ from numpy.typing import ArrayLike
 from habilis.analysis.averages import NOTHING, average_empowerment, compared_states, held
 from habilis.empowerment.api import Options
 from habilis.empowerment.horizons import empowerment_until_repeated
+from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import World
 
 
+@takes_old_keywords
 def latency(
     mdp: TabularMDP,
     horizon: int,
@@ -38,7 +40,7 @@ def latency(
         mdp: the table.
         horizon: the largest h that is tried.
         sensor, actions, states: as in `empowerment`.
-        **options: of `empowerment`.
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         float64[n], infinity where no h up to the horizon has any.
@@ -62,6 +64,7 @@ def first_above_nothing(bits: Float64[np.ndarray, "k n"]) -> Float64[np.ndarray,
     return np.where(some.any(axis=0), some.argmax(axis=0), np.inf)
 
 
+@takes_old_keywords
 def influence_range(
     mdp: TabularMDP, horizon: int, sensor: str = "object", **options: Unpack[Options]
 ) -> int:
@@ -78,7 +81,7 @@ def influence_range(
         mdp: a world's table.
         horizon: h, in actions.
         sensor: the factor of the object.
-        **options: of `empowerment`.
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         Rows plus columns, 0 if there is no influence from anywhere.
@@ -113,6 +116,7 @@ def furthest(apart: Int64[np.ndarray, "n"], least: Float64[np.ndarray, "n"]) -> 
     return int(apart[np.isfinite(least)].max(initial=0))
 
 
+@takes_old_keywords
 def reliability(world: World, horizon: int, slip: float = 0.0, **options: Unpack[Options]) -> float:
     """How much of the object empowerment is left where actions or the tool may fail.
 
@@ -125,7 +129,7 @@ def reliability(world: World, horizon: int, slip: float = 0.0, **options: Unpack
         world: the map, of one object and at most one tool.
         horizon: h, in actions.
         slip: as in `tabulate`.
-        **options: of `empowerment`.
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         1 where nothing fails; NaN where there is nothing to lose. Where actions slip it is at

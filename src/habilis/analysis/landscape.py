@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 
 from habilis.analysis.landscape_states import asked
 from habilis.empowerment.api import Options, empowerment
+from habilis.empowerment.methods import Exact, bounds_of
+from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor
 from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
@@ -116,6 +118,7 @@ class Landscape:
         return picture.getvalue()
 
 
+@takes_old_keywords
 def landscape(
     world: World,
     horizon: int,
@@ -141,7 +144,7 @@ def landscape(
             and the first beside the agent is in hand.
         mdp: the world's table, if it is at hand.
         ax: Matplotlib axes to draw it on at once (see `Landscape.draw`).
-        **options: of `empowerment`, such as unit="nats".
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         The values by cell, with the world and what was asked for.
@@ -171,7 +174,7 @@ def landscape(
     values = np.full(world.height * world.width, np.nan)
     bits = empowerment(mdp, horizon, sensor, actions, states, **options)
     values[mdp.factor("agent")[states]] = bits
-    bounds = "lower bounds on " if options.get("method") == "sampled" else ""
+    bounds = bounds_of(options.get("method", Exact()))
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
     found = Landscape(
         values=values.reshape(world.height, world.width),

@@ -21,6 +21,8 @@ from habilis.colours import COLOURS
 from habilis.empowerment.api import Options
 from habilis.empowerment.arguments import at_least_one, per_bit
 from habilis.empowerment.horizons import empowerment_by_horizon
+from habilis.empowerment.methods import Exact, bounds_of
+from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.files import save_whole, suffix_of
 from habilis.progress import progress_bar
 from habilis.worlds.table import tabulate
@@ -171,6 +173,7 @@ MEASURES = ("range", "latency", "median_latency", "persistence", "reliability")
 """What is said of a pair besides its averages, by the names of the attributes."""
 
 
+@takes_old_keywords
 def pairs(
     world: World,
     horizon: int,
@@ -192,7 +195,7 @@ def pairs(
             agent. By default the world's own and "none".
         objects: names of the world's objects; by default all.
         slip: as in `tabulate`; tools that may fail do so besides.
-        **options: of `empowerment`, such as show_progress=True.
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         The values of all pairs.
@@ -226,7 +229,7 @@ def pairs(
             tell(done, len(alone))
             if (key := _dynamics(pair)) not in measured:
                 measured[key] = _measured(pair, horizon, slip, options)
-    bounds = "lower bounds on " if options.get("method") == "sampled" else ""
+    bounds = bounds_of(options.get("method", Exact()))
     found = [[measured[_dynamics(alone[tool, object])] for object in columns] for tool in rows]
     values = {
         name: np.array([[getattr(one, name) for one in row] for row in found]) for name in MEASURES

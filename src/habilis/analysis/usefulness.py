@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float64, Int64
 
 from habilis.analysis.averages import NOTHING, compared_states, held
 from habilis.empowerment.api import Options, empowerment
+from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import NO_TOOL, World
@@ -64,6 +65,7 @@ class Usefulness:
         return bool(_above(self.average_without, self.average_with_tool, self.gap_with_tool))
 
 
+@takes_old_keywords
 def usefulness(
     world: World, horizon: int, slip: float = 0.0, **options: Unpack[Options]
 ) -> Usefulness:
@@ -75,7 +77,7 @@ def usefulness(
         world: the map, with a tool.
         horizon: h, in actions.
         slip: as in `tabulate`.
-        **options: of `empowerment`.
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         Both empowerments of every placement with the tool in hand, and what they say of the tool.

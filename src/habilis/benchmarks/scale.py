@@ -11,6 +11,7 @@ import numpy as np
 from habilis.benchmarks import Result
 from habilis.benchmarks.counting import room
 from habilis.empowerment import empowerment
+from habilis.empowerment.methods import Exact
 from habilis.processors import processors
 from habilis.worlds.table import tabulate
 
@@ -33,7 +34,7 @@ def results() -> list[Result]:
         Result("TOE, h = 6", toe, "s", f"{size}, {cores} threads"),
         Result("peak memory so far", memory, "GiB", size),
     ]
-    alone, same = _timed(lambda: empowerment(mdp, 6, "object", threads=1))
+    alone, same = _timed(lambda: empowerment(mdp, 6, "object", method=Exact(threads=1)))
     assert np.array_equal(bits, same)
     lines.append(Result("TOE, h = 6: one thread / all", alone / toe, "times", f"{cores} cores"))
     smaller, _ = _timed(lambda: empowerment(small, 6, "object"))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float64, Int64, Integer
 
+from habilis.callers import caller_outside
 from habilis.checks import is_number
 from habilis.probabilities import row_stochastic, shape_of
 
@@ -86,7 +87,7 @@ def warn_of_gap(gap: float, tolerance: float) -> None:
         f"the gap is {gap:.3g} bits, above the tolerance of {tolerance:.3g}; "
         "bits and gap are right, but allow a larger tolerance",
         ConvergenceWarning,
-        stacklevel=3,
+        stacklevel=caller_outside(),
     )
 
 

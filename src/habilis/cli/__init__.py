@@ -25,7 +25,7 @@ from habilis.cli import (
     watch,
     worlds,
 )
-from habilis.cli.arguments import OPTIONS, Args
+from habilis.cli.arguments import Args
 from habilis.cli.output import check_outputs, refuse
 from habilis.extras import MissingExtraError
 
@@ -68,9 +68,13 @@ VERBS: dict[str, Verb] = {
 }
 
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
-_PYTHON_ONLY = ("max_states", "key", "state", "ignore", "factors", "starts", "states")
-"""Arguments that errors of the library name, besides those that are options of the verbs."""
+_IN_PYTHON = (
+    *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
+    *("max_states", "key", "state", "ignore", "factors", "starts", "states"),
+)
+"""Arguments that errors of the library name; a verb may have an option for them or not."""
 _QUOTES = "'[]"
+_METHOD = re.compile(r"hb\.(\w+)\(\)")  # as errors of the library name one
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -154,10 +158,10 @@ def in_flags(message: str, flags: Mapping[str, str], lacks: Collection[str] = ()
         >>> in_flags("slip is 2; give slip=0.1 or raise max_gib", {"slip": "--slip"})
         '--slip is 2; give --slip 0.1 or raise max_gib (in Python)'
     """
-    names = sorted({*flags, *OPTIONS, *_PYTHON_ONLY}, key=len, reverse=True)
+    names = sorted({*flags, *_IN_PYTHON}, key=len, reverse=True)
     every, long = "|".join(names), "|".join(name for name in names if "_" in name)
     named = re.compile(
-        rf"(?<![\w./-])(?P<given>{every})=(?P<value>'[^']*'|\[[^]]*\]|[\w.]+)?"
+        rf"(?<![\w./-])(?P<given>{every})=(?P<value>'[^']*'|\[[^]]*\]|[\w.]+(?:\(\))?)?"
         rf"|(?<![\w./'-])(?P<long>{long})(?![\w./'=])"
         rf"|(?:^|(?<=: )|(?<=, )|(?<=and )|(?<=but ))(?P<subject>{every})(?= (?:is|has|have) )"
     )
@@ -165,7 +169,9 @@ def in_flags(message: str, flags: Mapping[str, str], lacks: Collection[str] = ()
     def said(found: re.Match[str]) -> str:
         name = found["given"] or found["long"] or found["subject"]
         if name in flags:
-            return f"{flags[name]} {(found['value'] or '').strip(_QUOTES)}".rstrip()
+            value = (found["value"] or "").strip(_QUOTES)
+            method = _METHOD.fullmatch(value)
+            return f"{flags[name]} {value if method is None else method[1].lower()}".rstrip()
         return found[0] if found["subject"] or name in lacks else f"{found[0]} (in Python)"
 
     return named.sub(said, message)

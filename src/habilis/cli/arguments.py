@@ -1,9 +1,11 @@
 """Arguments that several verbs share."""
 
 import argparse
+from dataclasses import fields
 from typing import Any
 
 from habilis.cli.output import shows_progress
+from habilis.empowerment.methods import Exact, Sampled
 from habilis.worlds.moving import Where
 from habilis.worlds.reach import MAX_STATES
 from habilis.worlds.world import ENVIRONMENT, Cell, World
@@ -11,9 +13,6 @@ from habilis.worlds.world import ENVIRONMENT, Cell, World
 Args = argparse.Namespace
 
 PREFIX = ENVIRONMENT
-OPTIONS = (
-    *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
-)
 
 TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
 
@@ -32,7 +31,8 @@ def add_tool(parser: argparse.ArgumentParser) -> None:
 
 
 def add_measure(parser: argparse.ArgumentParser) -> None:
-    sensor = "state, agent, tool, object, or one of several as object:can (default state)"
+    sensor = "state, agent, tool, object, one of several as object:can, or a sum or product of "
+    sensor += "values as 'object:can + object:ball', 'object:can * object:ball' (default state)"
     parser.add_argument("--sensor", default="state", help=sensor)
     parser.add_argument("--horizon", type=int, required=True, help="number of actions")
     parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
@@ -59,7 +59,7 @@ def add_unit(parser: argparse.ArgumentParser) -> None:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Adds `OPTIONS`: arguments of `habilis.empowerment`, under their names."""
+    """Adds the unit, and the method with its settings under their names."""
     add_unit(parser)
     add_tolerance(parser)
     parser.add_argument(
@@ -125,9 +125,10 @@ def max_states(args: Args) -> int:
 
 
 def measure_options(args: Args) -> Any:
-    """The options of the verb that are arguments of `habilis.empowerment`."""
-    given = {name: getattr(args, name) for name in OPTIONS if name in args}
-    return given | {"show_progress": shows_progress(args)}
+    """The arguments of `habilis.empowerment` that options of the verb give."""
+    kind = Sampled if getattr(args, "method", "exact") == "sampled" else Exact
+    method = kind(**{f.name: getattr(args, f.name) for f in fields(kind) if f.name in args})
+    return {"method": method, "unit": args.unit, "show_progress": shows_progress(args)}
 
 
 def cells_of(world: World, kind: str, places: list[tuple[str, Cell]] | None) -> Where | None:

@@ -7,18 +7,19 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
-from habilis.channels.capacity import checked_tolerance, warn_of_gap
+from habilis.channels.capacity import warn_of_gap
 from habilis.empowerment.arguments import (
     Unit,
-    at_least_one,
     chosen_actions,
     chosen_states,
     per_bit,
-    positive,
     whole_number,
 )
 from habilis.empowerment.availability import with_nowhere
-from habilis.empowerment.limits import MAX_GIB, MAX_SECONDS, OTHERWISE, Limits, Progress
+from habilis.empowerment.combined import combined_with_gaps
+from habilis.empowerment.limits import Progress
+from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
+from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
 from habilis.processors import processors
@@ -35,20 +36,15 @@ States = ArrayLike | Placement | Sequence[Placement]
 """Indices, bool[S] or, of a world, placements."""
 
 Bits = Float64[np.ndarray, "n"]
-Method = Literal["exact", "sampled"]
+
+_EXACT = Exact()
 
 
 class Options(TypedDict, total=False):
-    """What else `empowerment` and the measures made of it may be told; see there."""
+    """Further arguments of `empowerment`, which the measures made of it pass on; see there."""
 
     unit: Unit
-    tolerance: float
     method: Method
-    samples: int
-    seed: int
-    threads: int | None
-    max_gib: float
-    max_seconds: float
     show_progress: bool
 
 
@@ -78,6 +74,7 @@ def empowerment(
 ) -> tuple[Bits, Bits]: ...
 
 
+@takes_old_keywords
 def empowerment(
     mdp: TabularMDP | World,
     horizon: int,
@@ -85,15 +82,9 @@ def empowerment(
     actions: ArrayLike | None = None,
     states: States | None = None,
     *,
+    method: Method = _EXACT,
     return_gap: bool = False,
     unit: Unit = "bits",
-    tolerance: float = 1e-6,
-    method: Method = "exact",
-    samples: int = 1000,
-    seed: int = 0,
-    threads: int | None = None,
-    max_gib: float = MAX_GIB,
-    max_seconds: float = MAX_SECONDS,
     show_progress: bool = False,
 ) -> Bits | tuple[Bits, Bits]:
     """The h-step empowerment of states, in bits.
@@ -124,29 +115,22 @@ def empowerment(
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
             empowerment, "object:can" where there are several), int[S] or bool[S] labels, or
-            float[S, O] probabilities of observations (also scipy.sparse).
+            float[S, O] probabilities of observations (also scipy.sparse). Or several names, as in
+            "object:can + object:ball" and "object:can * object:ball": the sum or the product of
+            the values through each, which are in `unit`. That is not a joint sensor.
         actions: the action indices that sequences are made of; by default all.
         states: the n states asked about, as indices or as bool[S]; of a world, as placements such
             as `{"agent": (0, 0), "tool": (1, 0), "object": (2, 2)}`. By default all, in order.
+        method: `Exact` or `Sampled`, with their settings, such as `Exact(max_seconds=60)`; what it
+            may cost, and the gap to reach, are those of each sensor.
         return_gap: whether to return the certificate too.
         unit: "bits" or "nats", of values, gaps and tolerance.
-        tolerance: the gap at which to stop, where the channel is noisy.
-        method: "exact", or "sampled": only some sequences are tried, so that the value is a lower
-            bound; its gap then reaches up to what no sequences could exceed.
-        samples: how many sequences of a state "sampled" draws, uniformly and with replacement.
-        seed: of the sampling; a state's sequences do not depend on which others are asked about.
-        threads: how many work side by side; the values are the same for any number. By default
-            as many as there are processors; one where channels are noisy, because there the
-            linear algebra uses the processors by itself.
-        max_gib: memory in GiB that it may take besides the table, foreseen before the start.
-        max_seconds: time in seconds that it may take, by an estimate made before the start: of
-            noisy channels from a few states, of counting from its first moments. A fixed point or
-            a period of what can be reached, which ends long horizons early, is part of it.
         show_progress: whether to draw a progress bar on standard error, once it takes two seconds.
 
     Returns:
         float64[n]; with `return_gap` also float64[n], for each state a proven upper bound on how
-        much larger the true value is (0 where it is a count).
+        much larger the true value is (0 where it is a count). Of a sum it is the sum of the gaps;
+        of a product the difference of the two bounds, (m_1 + g_1)(m_2 + g_2) - m_1 m_2.
 
     Raises:
         ValueError: a horizon that is not a whole number from 0 up, an unknown sensor, no
@@ -155,7 +139,7 @@ def empowerment(
             largest horizon that fits, "about" where it is estimated from a time.
 
     Warns:
-        ConvergenceWarning: a gap is above the tolerance (never for "sampled").
+        ConvergenceWarning: a gap is above the tolerance (never of `Sampled`).
 
     Example:
         >>> mdp = TabularMDP.deterministic([[0, 1], [1, 0]])
@@ -165,41 +149,21 @@ def empowerment(
         array([0.531, 0.531])
     """
     horizon = whole_number("horizon", horizon)
-    scale = per_bit(unit)
-    if method not in ("exact", "sampled"):
-        raise ValueError(f"method is {method!r}; use 'exact' or 'sampled'")
-    if threads is not None:
-        threads = at_least_one("threads", threads)
-    tolerance = checked_tolerance(tolerance) / scale
-    samples, seed = at_least_one("samples", samples), whole_number("seed", seed)
-    max_gib, max_seconds = positive("max_gib", max_gib), positive("max_seconds", max_seconds)
+    scale, method = per_bit(unit), checked_method(method)
     if isinstance(mdp, World):
         mdp, states = _around(mdp, horizon, sensor, states, show_progress)
     used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
-    limits = Limits(max_gib, max_seconds, OTHERWISE[method])
-    if not mdp.is_stochastic and not is_noisy(sensor) and method == "exact":
-        counters = threads or processors()
-        some = None if states is None else starts
-        with progress_bar("empowerment", show_progress) as bar:
-            tell = in_percent(bar)
-            bits = _counted(mdp, horizon, sensor, used, some, counters, limits, tell)
-        gap = np.zeros(len(bits))
-    else:
-        from habilis.empowerment.tabular import stochastic
-        from habilis.empowerment.tabular.open_loop import problem_of
 
-        problem = problem_of(mdp, horizon, sensor, used, tolerance)
-        threads = threads or 1
-        with progress_bar("states", show_progress) as tell:
-            if method == "sampled":
-                bits, gap = stochastic.lower_bounds(
-                    problem, starts, samples, seed, threads, limits, tell
-                )
-            else:
-                bits, gap = stochastic.certified_bits(problem, starts, threads, limits, tell)
-        if method == "exact" and (gap > tolerance).any():
-            warn_of_gap(float(gap.max()), tolerance)
-    return (bits * scale, gap * scale) if return_gap else bits * scale
+    def through(one: Sensor) -> tuple[Bits, Bits]:
+        if not mdp.is_stochastic and not is_noisy(one) and isinstance(method, Exact):
+            some = None if states is None else starts
+            bits = _counted(mdp, horizon, one, used, some, method, show_progress)
+            return bits * scale, np.zeros(len(bits))
+        bits, gap = _solved(mdp, horizon, one, used, starts, method, scale, show_progress)
+        return bits * scale, gap * scale
+
+    bits, gap = combined_with_gaps(mdp, sensor, through)
+    return (bits, gap) if return_gap else bits
 
 
 def _around(
@@ -222,16 +186,43 @@ def _counted(
     sensor: Sensor,
     actions: Int64[np.ndarray, "A"],
     starts: Int64[np.ndarray, "n"] | None,
-    threads: int,
-    limits: Limits,
-    tell: Progress,
+    method: Exact,
+    show_progress: bool,
 ) -> Bits:
     """The logarithms of how many observations can be brought about, where nothing is noisy."""
     # Numba takes as long to import as everything else together: only who computes pays.
     from habilis.empowerment.tabular.deterministic import counts
 
-    question = question_of(mdp, horizon, sensor, actions, starts, threads, limits, tell)
-    return bits_of(counts(question))
+    with progress_bar("empowerment", show_progress) as bar:
+        question = question_of(mdp, horizon, sensor, actions, starts, method, in_percent(bar))
+        return bits_of(counts(question))
+
+
+def _solved(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Int64[np.ndarray, "A"],
+    starts: Int64[np.ndarray, "n"],
+    method: Method,
+    scale: float,
+    show_progress: bool,
+) -> tuple[Bits, Bits]:
+    """Capacities of noisy channels or of sampled ones, and their gaps, in bits."""
+    from habilis.empowerment.tabular import stochastic
+    from habilis.empowerment.tabular.open_loop import problem_of
+
+    tolerance, threads = method.tolerance / scale, method.threads or 1
+    problem = problem_of(mdp, horizon, sensor, actions, tolerance)
+    with progress_bar("states", show_progress) as tell:
+        if isinstance(method, Sampled):
+            return stochastic.lower_bounds(
+                problem, starts, method.samples, method.seed, threads, method.limits, tell
+            )
+        bits, gap = stochastic.certified_bits(problem, starts, threads, method.limits, tell)
+    if (gap > tolerance).any():
+        warn_of_gap(float(gap.max()), tolerance)
+    return bits, gap
 
 
 def question_of(
@@ -240,8 +231,7 @@ def question_of(
     sensor: Sensor,
     actions: Int64[np.ndarray, "A"],
     starts: Int64[np.ndarray, "n"] | None,
-    threads: int,
-    limits: Limits,
+    method: Exact,
     tell: Progress,
 ) -> "Question":
     """What is to be counted for a measure of a deterministic table."""
@@ -264,8 +254,8 @@ def question_of(
         starts,
         mdp.factor(str(sensor)) if cells else None,
         mdp.shape,
-        threads,
-        limits,
+        method.threads or processors(),
+        method.limits,
         tell,
     )
 

@@ -9,24 +9,23 @@ from numpy.typing import ArrayLike
 
 from habilis.empowerment.api import Options, bits_of, empowerment, question_of
 from habilis.empowerment.arguments import chosen_actions, chosen_states, per_bit, whole_number
+from habilis.empowerment.combined import combined, is_combined
 from habilis.empowerment.limits import (
-    MAX_GIB,
-    MAX_SECONDS,
-    OTHERWISE,
-    Limits,
     check_memory,
     unwatched,
     watched,
 )
+from habilis.empowerment.methods import Exact, checked_method
+from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
-from habilis.processors import processors
 from habilis.progress import in_percent, progress_bar
 
 if TYPE_CHECKING:
     from habilis.empowerment.tabular.deterministic import Question
 
 
+@takes_old_keywords
 def empowerment_by_horizon(
     mdp: TabularMDP,
     horizon: int,
@@ -44,7 +43,7 @@ def empowerment_by_horizon(
         mdp: the table.
         horizon: h, the largest.
         sensor, actions, states: as in `empowerment`.
-        **options: of `empowerment`.
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         float64[h + 1, n], row k that which `empowerment` gives for k actions.
@@ -74,11 +73,14 @@ def empowerment_until_repeated(
 ) -> Float64[np.ndarray, "k n"]:
     """The first k rows of `empowerment_by_horizon`, after which none is new.
 
-    For those who ask when something happens first: of a long horizon these are few.
+    For those who ask when something happens first: of a long horizon these are few. Of a sum or a
+    product all are given, because its parts repeat at different horizons.
     """
-    from habilis.empowerment.tabular.deterministic import counts_until_repeated
+    from habilis.empowerment.tabular.deterministic import counts_by_horizon, counts_until_repeated
 
     def rows(question: "Question") -> Int64[np.ndarray, "k n"]:
+        if is_combined(mdp, sensor):
+            return counts_by_horizon(question)
         return counts_until_repeated(question)[0]
 
     return _counted(rows, mdp, horizon, sensor, actions, states, options)
@@ -95,18 +97,19 @@ def _counted(
 ) -> Float64[np.ndarray, "k n"]:
     """Rows of empowerment by how they are counted, if nothing is noisy; otherwise all of them."""
     horizon = whole_number("horizon", horizon)
-    sampled = options.get("method", "exact") != "exact"
-    if mdp.is_stochastic or is_noisy(sensor) or sampled:
-        return _each(mdp, horizon, sensor, actions, states, options)
-    empowerment(mdp, 0, sensor, actions, [], **options)  # says what is wrong with any option
-    starts, used = chosen_states(mdp, states), chosen_actions(mdp, actions)
-    threads = options.get("threads") or processors()
-    limits = _limits(options)
-    with progress_bar("empowerment", options.get("show_progress", False)) as bar:
-        tell = in_percent(bar)
-        question = question_of(mdp, horizon, sensor, used, starts, threads, limits, tell)
-        counts = count(question)
-    return bits_of(counts) * per_bit(options.get("unit", "bits"))
+    method = checked_method(options.get("method", Exact()))
+
+    def through(one: Sensor) -> Float64[np.ndarray, "k n"]:
+        if mdp.is_stochastic or is_noisy(one) or not isinstance(method, Exact):
+            return _each(mdp, horizon, one, actions, states, options)
+        empowerment(mdp, 0, one, actions, [], **options)  # says what is wrong with any option
+        starts, used = chosen_states(mdp, states), chosen_actions(mdp, actions)
+        with progress_bar("empowerment", options.get("show_progress", False)) as bar:
+            question = question_of(mdp, horizon, one, used, starts, method, in_percent(bar))
+            counts = count(question)
+        return bits_of(counts) * per_bit(options.get("unit", "bits"))
+
+    return combined(mdp, sensor, through)
 
 
 def _each(
@@ -118,7 +121,7 @@ def _each(
     options: Options,
 ) -> Float64[np.ndarray, "{horizon}+1 n"]:
     """Horizon by horizon, the largest first: what takes too long is refused at once."""
-    limits = _limits(options)
+    limits = options.get("method", Exact()).limits
     row = 8 * max(len(chosen_states(mdp, states)), 1)
     gib = row * (horizon + 1) / 2**30
     watch = watched(horizon, horizon, gib, limits, unwatched)
@@ -128,11 +131,3 @@ def _each(
         check_memory(gib, int(min(limits.gib * 2**30, 2**62)) // row - 1, horizon, limits)
         watch(len(found) / (horizon + 1))
     return np.stack(found[::-1])
-
-
-def _limits(options: Options) -> Limits:
-    return Limits(
-        options.get("max_gib", MAX_GIB),
-        options.get("max_seconds", MAX_SECONDS),
-        OTHERWISE[options.get("method", "exact")],
-    )

@@ -25,12 +25,6 @@ class Limits:
 MAX_GIB, MAX_SECONDS = 8.0, 3600.0
 """What a computation may cost where nobody says."""
 
-OTHERWISE = {
-    "exact": "ask for a lower bound with method='sampled'",
-    "sampled": "draw fewer samples",
-}
-"""What else can be done, by the method of `empowerment`."""
-
 UNLIMITED = Limits(inf, inf)
 
 _TRIAL = 0.5  # seconds before the rest is first estimated from what they did

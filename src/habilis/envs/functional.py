@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Int8, PRNGKeyArray
 from numpy.typing import ArrayLike
 
+from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.sensors import Sensor
 from habilis.envs.observations import Labels, Marks, cells, grid, one_hot, ranked
 from habilis.envs.params import Empowerment, Params, State
@@ -39,6 +40,7 @@ from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import World
 
+_EXACT = Exact()
 KINDS = ("factors", "onehot", "grid")
 
 
@@ -128,6 +130,7 @@ class FunctionalEnv:
         beta: float,
         actions: ArrayLike | None = None,
         *,
+        method: Method = _EXACT,
         earned: str = "next",
         terminal_bonus: bool = True,
         extrinsic: bool = True,
@@ -140,7 +143,7 @@ class FunctionalEnv:
         `params.empowerment.weights["beta"]`.
 
         Args:
-            horizon, sensor, actions: of the empowerment M, as in `EmpowermentReward`.
+            horizon, sensor, actions, method: of the empowerment M, as in `EmpowermentReward`.
             beta, earned, terminal_bonus, extrinsic, discount: as in `EmpowermentReward`.
 
         Returns:
@@ -151,7 +154,8 @@ class FunctionalEnv:
         """
         bonus = Bonus(beta, earned=earned, terminal_bonus=terminal_bonus, extrinsic=extrinsic)
         weights = bonus.numbers(discount)
-        bits = kept_empowerment(self._mdp.slippery(self._slip), horizon, sensor, actions)
+        noisy = self._mdp.slippery(self._slip)
+        bits = kept_empowerment(noisy, horizon, sensor, actions, method=method)
         other = copy.copy(self)
         other._params = self._params.replace(
             empowerment=Empowerment(jnp.asarray(bits, jnp.float32), weights)

@@ -13,6 +13,7 @@ from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
 from habilis.bridges.gymnasium.snapshots import Identity, StateFunctions
+from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.sensors import Sensor
 from habilis.envs.places import Measure, Places, Position, places_of, same_table
 from habilis.envs.vector import Stepped, TableVectorEnv
@@ -20,6 +21,7 @@ from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
 from habilis.rewards.shaping import Bonus, regularised
 
+_EXACT = Exact()
 EXTRINSIC, EMPOWERMENT = "extrinsic_reward", "empowerment"
 """What `info` says: the environment's own reward, and the bits of the state that was reached."""
 
@@ -65,6 +67,7 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         beta: float | None = None,
         actions: ArrayLike | None = None,
         *,
+        method: Method = _EXACT,
         beta_schedule: str = "constant",
         beta_steps: int = 0,
         earned: str = "next",
@@ -78,10 +81,10 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         """
         Args:
             env: an environment, or a vector environment.
-            horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`; or, as in
-                "object:can + object:ball" and "object:can*object:ball", the sum or product of M
-                through several sensors.
+            horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`; sums and
+                products of several sensors, as "object:can + object:ball", are sensors too.
             beta: its weight, in reward a bit; it must be given.
+            method: how M is found, as in `habilis.empowerment`.
             beta_schedule: "constant", "linear" or "exponential".
             beta_steps: environment steps after which beta is 0 (linear) or has halved
                 (exponential); those of all copies of a vector environment count.
@@ -106,12 +109,13 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
             **{"beta_schedule": beta_schedule, "beta_steps": beta_steps, "earned": earned},
             **{"terminal_bonus": terminal_bonus, "extrinsic": extrinsic},
             **{"discount": discount, "max_states": max_states, "ignore": ignore, "state": state},
+            **({} if method == _EXACT else {"method": method}),
         )
         gymnasium.Wrapper.__init__(self, env)
         weight = _given(beta)
         bonus = Bonus(weight, beta_schedule, beta_steps, earned, terminal_bonus, extrinsic)
         self._numbers = bonus.numbers(discount)
-        measure = partial(_measured, horizon, sensor, actions)
+        measure = partial(_measured, horizon, sensor, actions, method)
         self._places = places_of(env, measure, max_states, Identity(None, ignore, state))
         self._position, self._taken = Position(env, self._places), 0
 
@@ -153,6 +157,7 @@ class VectorEmpowermentReward(VectorWrapper):
         beta: float | None = None,
         actions: ArrayLike | None = None,
         *,
+        method: Method = _EXACT,
         discount: float = 0.99,
         max_states: int = 100_000,
         ignore: Sequence[str] = (),
@@ -162,8 +167,8 @@ class VectorEmpowermentReward(VectorWrapper):
         """
         Args:
             env: one of ours, or a `SyncVectorEnv` of environments that can be tabulated.
-            horizon, sensor, beta, actions, discount, max_states, ignore, state, settings: as in
-                `EmpowermentReward`.
+            horizon, sensor, beta, actions, method, discount, max_states, ignore, state, settings:
+                as in `EmpowermentReward`.
 
         Raises:
             ValueError: as there, or the environments are not in this process.
@@ -175,7 +180,7 @@ class VectorEmpowermentReward(VectorWrapper):
             if name not in known:
                 raise TypeError(f"setting {name!r} is unknown; use some of {', '.join(known)}")
         self._numbers = Bonus(beta=_given(beta), **settings).numbers(discount)
-        measure = partial(_measured, horizon, sensor, actions)
+        measure = partial(_measured, horizon, sensor, actions, method)
         identity = Identity(None, ignore, state)
         self._states = _states_of(env.unwrapped, measure, max_states, identity)
         self._mode = env.metadata.get("autoreset_mode", AutoresetMode.NEXT_STEP)
@@ -298,9 +303,9 @@ def _states_of(
 
 
 def _measured(
-    horizon: int, sensor: Sensor, actions: ArrayLike | None, mdp: TabularMDP
+    horizon: int, sensor: Sensor, actions: ArrayLike | None, method: Method, mdp: TabularMDP
 ) -> Float64[np.ndarray, "S"]:
-    return kept_empowerment(mdp, horizon, sensor, actions)
+    return kept_empowerment(mdp, horizon, sensor, actions, method=method)
 
 
 def _given(beta: float | None) -> float:

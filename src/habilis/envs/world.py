@@ -12,6 +12,7 @@ from gymnasium.vector import AutoresetMode
 from jaxtyping import Shaped, UInt8
 
 from habilis.empowerment.api import Options
+from habilis.empowerment.old_keywords import OLD_KEYWORDS, with_method
 from habilis.envs.observations import Observation, Show, frames, observation
 from habilis.envs.screen import Screen
 from habilis.envs.table import MAX_STEPS, TableEnv
@@ -241,7 +242,7 @@ class Scene:
                 raise ValueError(f"measure {name!r} is what info has already; give another name")
             _check_measure(name, arguments)
             try:
-                columns[name] = kept_empowerment(noisy, **arguments)
+                columns[name] = kept_empowerment(noisy, **with_method("measures", arguments))
             except ValueError as error:
                 raise ValueError(f"measure {name!r}: {error}") from None
         draw = None if render_mode in (None, "ansi") else frames(mdp, found, _CELL)
@@ -277,7 +278,7 @@ def _check_measure(measure: str, arguments: Any) -> None:
     for name in arguments:
         if name in ("states", "return_gap"):
             raise ValueError(f"{named} needs one value for every state; leave out {name}")
-        if name not in known:
+        if name not in (*known, *OLD_KEYWORDS):
             raise ValueError(
                 f"{named}: argument {name!r} is unknown; use some of {', '.join(known)}"
             )

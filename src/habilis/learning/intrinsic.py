@@ -9,7 +9,7 @@ import optax
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.empowerment import empowerment
-from habilis.empowerment.combined import combined, terms_of
+from habilis.empowerment.combined import check_names
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Numbers
@@ -41,13 +41,13 @@ def kind_of(config: Config) -> str:
 def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
     """M, the empowerment of every state in bits, or 0 where a table is not what is asked for.
 
-    Of several sensors the sum, or the product, of their empowerments, as in `terms_of`. Where
-    the world is stochastic, which takes far longer, it is kept on disk for the next time.
+    Of several sensors it is the sum, or the product, of their empowerments, as in `empowerment`.
+    Where the world is stochastic, which takes far longer, it is kept on disk for the next time.
     """
     if config.intrinsic in (NO_INTRINSIC, *NOVELTIES):
         return np.zeros(mdp.states)
     measure = kept_empowerment if mdp.is_stochastic else empowerment
-    return combined(config.intrinsic, lambda name: measure(mdp, config.horizon, name))
+    return measure(mdp, config.horizon, config.intrinsic)
 
 
 def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:
@@ -56,12 +56,9 @@ def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:
     Raises:
         ValueError: names it, and those that there are.
     """
-    single = intrinsic in (NO_INTRINSIC, *NOVELTIES)
-    names = [] if single else [name for term in terms_of(intrinsic) for name in term]
-    alone = (NO_INTRINSIC, *NOVELTIES) if len(names) == 1 else ()
-    for name in names:
-        if name != "state":
-            mdp.factor_named(name, "intrinsic", [*alone, "state"])
+    others = NO_INTRINSIC, *NOVELTIES
+    if intrinsic not in others:
+        check_names(mdp, intrinsic, "intrinsic", others)
 
 
 def weights(config: Config) -> dict[str, float]:

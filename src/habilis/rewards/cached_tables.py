@@ -1,5 +1,6 @@
 """Empowerment that is computed once for a table, and then read from the disk."""
 
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Unpack
 
@@ -11,6 +12,7 @@ from habilis.cache import fingerprint, kept
 from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.arguments import chosen_actions
 from habilis.empowerment.combined import combined
+from habilis.empowerment.methods import Exact, checked_method
 from habilis.empowerment.sensors import Sensor, is_noisy, observation_probabilities, observations
 from habilis.mdp import TabularMDP
 
@@ -33,9 +35,10 @@ def kept_empowerment(
 
     Args:
         mdp: the table.
-        horizon, sensor, actions: as in `empowerment`; or several sensors, as in `combined`.
+        horizon, sensor, actions: as in `empowerment`; of a sum or product of several sensors the
+            values through each are kept.
         folder: where values are kept; by default `$XDG_CACHE_HOME/habilis`, or `~/.cache/habilis`.
-        **options: of `empowerment`.
+        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
     Returns:
         float64[S], in bits.
@@ -43,7 +46,7 @@ def kept_empowerment(
     Raises:
         ValueError: as in `empowerment`.
     """
-    return combined(sensor, lambda one: _kept(mdp, horizon, one, actions, folder, options))
+    return combined(mdp, sensor, lambda one: _kept(mdp, horizon, one, actions, folder, options))
 
 
 def _kept(
@@ -60,10 +63,23 @@ def _kept(
     name = fingerprint(
         *("empowerment", _EDITION, horizon, mdp.transitions, seen),
         None if actions is None else chosen_actions(mdp, actions).tolist(),
-        sorted(item for item in options.items() if item[0] != "show_progress"),
+        _of_values(options),
     )
 
     def compute() -> dict[str, np.ndarray]:
         return {"values": empowerment(mdp, horizon, sensor, actions, **options)}
 
     return kept(name, compute, folder)["values"]
+
+
+def _of_values(options: Options) -> list[tuple[str, str]]:
+    """The options on which values depend, where they are not the default.
+
+    What a computation may cost changes none.
+    """
+    default = Exact()
+    method = checked_method(options.get("method", default))
+    limits = {f.name: getattr(default, f.name) for f in fields(Exact) if f.name != "tolerance"}
+    method, unit = replace(method, **limits), options.get("unit", "bits")
+    described = [] if method == default else [("method", repr(method))]
+    return described + ([] if unit == "bits" else [("unit", unit)])

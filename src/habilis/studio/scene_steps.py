@@ -6,6 +6,7 @@ scene's table) each process keeps for itself.
 
 import random
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache, wraps
 from typing import Any
 
@@ -13,9 +14,10 @@ import numpy as np
 
 from habilis.analysis.averages import NOTHING, compared_states
 from habilis.analysis.futures import futures
-from habilis.empowerment.api import Options, empowerment
+from habilis.empowerment.api import empowerment
 from habilis.empowerment.arguments import chosen_actions
 from habilis.empowerment.limits import Limits, TooMuchError, too_much
+from habilis.empowerment.methods import Exact
 from habilis.empowerment.tabular.beliefs import TooManyBeliefsError
 from habilis.empowerment.tabular.cost import check_effort, most_entries
 from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
@@ -35,7 +37,7 @@ Answer = dict[str, Any]
 Cells = list[list[int]]
 
 _LIMITS = Limits(GIB, SECONDS)
-_OPTIONS = Options(threads=1, max_gib=GIB, max_seconds=SECONDS)
+_METHOD = Exact(threads=1, max_gib=GIB, max_seconds=SECONDS)
 _TOLERANCE = 1e-6  # bits
 _KEPT = 4  # tables of scenes
 _MOST = 3_000_000  # placements of several things that a plan looks over
@@ -72,11 +74,9 @@ def average(scene: Scene, tool: str) -> Answer:
         return {"bits": None}
     mdp = tabulate(of_tool.world, scene.slip)
     states = np.flatnonzero(compared_states(mdp))
-    options = _OPTIONS.copy()
-    if of_tool.is_stochastic:
-        options["max_seconds"] = _EXACT
+    method = replace(_METHOD, max_seconds=_EXACT) if of_tool.is_stochastic else _METHOD
     try:
-        bits = empowerment(mdp, scene.horizon, "object", states=states, **options)
+        bits = empowerment(mdp, scene.horizon, "object", states=states, method=method)
     except TooMuchError:
         return {"bits": None}
     return {"bits": float(bits.mean()), "some": bool(bits.max() > NOTHING)}
@@ -86,7 +86,9 @@ def choices(scene: Scene, agent: list[int]) -> Answer:
     """What the agent could bring about from a cell."""
     mdp, states = _around(scene, [_at(scene, (agent[0], agent[1]))])
     state, sensor = int(states[0]), scene.sensed(mdp)
-    found = futures(mdp, state, scene.horizon, sensor, scene.action_indices, max_gib=GIB)
+    found = futures(
+        mdp, state, scene.horizon, sensor, scene.action_indices, method=Exact(max_gib=GIB)
+    )
     seen, labels = found.seen, found.observations
     if scene.sensor == "state":
         labels, place = np.unique(mdp.factor(scene.seen)[labels], return_inverse=True)
@@ -210,7 +212,7 @@ def _around(scene: Scene, places: list[Placement]) -> tuple[TabularMDP, np.ndarr
 def _bits(scene: Scene, places: list[Placement]) -> np.ndarray:
     mdp, states = _around(scene, places)
     return empowerment(
-        mdp, scene.horizon, scene.sensed(mdp), scene.action_indices, states, **_OPTIONS
+        mdp, scene.horizon, scene.sensed(mdp), scene.action_indices, states, method=_METHOD
     )
 
 

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from habilis.compiled import compiled
 from habilis.empowerment.arguments import Unit, chosen_actions, chosen_states, per_bit
+from habilis.empowerment.combined import combined
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
@@ -43,7 +44,8 @@ def persistence(
 
     Args:
         mdp: a deterministic table, or a world, which is tabulated.
-        sensor: a factor's name, "state", or int[S] labels.
+        sensor: a factor's name, "state", or int[S] labels; or several names, of whose values it is
+            the sum or the product, as in `empowerment`.
         actions: the action indices that the agent may use; by default all.
         states: the n states asked about, as indices or as bool[S]; by default all, in order.
         unit: "bits" or "nats".
@@ -65,14 +67,18 @@ def persistence(
     scale = per_bit(unit)
     if isinstance(mdp, World):
         mdp = tabulate(mdp, show_progress=show_progress)
-    table = _certain_table(mdp, sensor, actions)
-    labels, label_count = observations(mdp, sensor)
     starts = chosen_states(mdp, states)
+    table = _certain_table(mdp, sensor, actions)
     with progress_bar("components", show_progress):
         component = _components(table)
         closed = np.argsort(component, kind="stable")
+
+    def through(one: Sensor) -> Float64[np.ndarray, "n"]:
+        labels, label_count = observations(mdp, one)
         most = _most_in_reach(table, labels, label_count, component, closed)
-    return np.log2(most[component[starts]]) * scale
+        return np.log2(most[component[starts]]) * scale
+
+    return combined(mdp, sensor, through)
 
 
 def _certain_table(
