@@ -103,13 +103,14 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
                 a step is another than the table's.
             TypeError: beta is left out.
         """
+        chosen: dict[str, Any] = {} if method == _EXACT else {"method": method}
         RecordConstructorArgs.__init__(
             self,
+            **chosen,
             **{"horizon": horizon, "sensor": sensor, "beta": beta, "actions": actions},
             **{"beta_schedule": beta_schedule, "beta_steps": beta_steps, "earned": earned},
             **{"terminal_bonus": terminal_bonus, "extrinsic": extrinsic},
             **{"discount": discount, "max_states": max_states, "ignore": ignore, "state": state},
-            **({} if method == _EXACT else {"method": method}),
         )
         gymnasium.Wrapper.__init__(self, env)
         weight = _given(beta)
