@@ -52,7 +52,7 @@ def tasks() -> Iterator[dict[str, Any]]:
 
 
 def attempt(task: dict[str, Any], changes: int) -> dict[str, Any]:
-    """One attempt, and what its best map meets."""
+    """One attempt, and the targets that its best map meets."""
     experiment = next(e for e in EXPERIMENTS if e.targets == task["experiment"])
     reading = Reading.of(f" {task['reading']}")[1]
     stated = replace(load_targets(f"{experiment.targets}-all"), reading=reading, over=task["over"])

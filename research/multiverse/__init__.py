@@ -1,1 +1,1 @@
-"""The second part of the report: what the paper's claims depend on."""
+"""The second part of the report: the paper's claims under other choices."""

@@ -9,8 +9,8 @@ from habilis.interruption import Interrupted
 from habilis.progress import progress_bar
 from habilis.sweeps.sweep import sweep
 from research.multiverse.report import write_page, write_study
+from research.multiverse.results import Multiverse, joined
 from research.multiverse.settings import agents, all_maps
-from research.multiverse.study import Study, joined
 
 
 def main() -> int:
@@ -24,7 +24,7 @@ def main() -> int:
     )
     args = parser.parse_args()
     if args.page:
-        write_page(Study.read(args.out), args.out)
+        write_page(Multiverse.read(args.out), args.out)
         print(args.out / "report.html")
         return 0
     everyone = agents(all_maps())
@@ -46,7 +46,7 @@ def main() -> int:
     except ValueError as error:
         print(f"habilis: {error}", file=sys.stderr)
         return 2
-    study = Study.of(joined(everyone, results))
+    study = Multiverse.of(joined(everyone, results))
     write_study(study, args.out)
     print(args.out / "report.html")
     return 0

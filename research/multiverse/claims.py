@@ -1,4 +1,4 @@
-"""What each setting says of each of the paper's claims."""
+"""The verdict of each setting on each of the paper's claims."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,15 +7,15 @@ import numpy as np
 import polars as pl
 from jaxtyping import Float
 
-from habilis.studies.comparison import Outcome, Verdict, verdict_of
-from habilis.sweeps.training import BLOCK
+from habilis.studies.comparison import Comparison, Outcome, compare
+from habilis.studies.pace.data import first_success
 
 MEASURES = ("episodes", "steps", "first success")
 """What is counted: episodes to convergence, as in the paper; environment steps to convergence; or
 episodes until a hundred of them first average at most twice the cost of the best one."""
 
 KEYS = ("part", "learner", "map", "tool", "reward", "horizon", "beta", "how")
-"""What names an agent in the results."""
+"""The columns that name a condition in the results."""
 
 
 @dataclass(frozen=True)
@@ -68,24 +68,18 @@ claim is about the two tools as the one before; a test holds that fact."""
 
 
 def counts(runs: pl.DataFrame, measure: str) -> Float[np.ndarray, "runs"]:
-    """One of `MEASURES` for each run; infinite where a run did not come so far."""
+    """One of `MEASURES` for each run; infinite where a run exceeded its budget."""
     if measure == "first success":
         each = zip(runs["curve"], runs["best_return"], strict=True)
-        return np.array([_first(curve.to_numpy(), 2 * best) for curve, best in each])
+        return np.array([first_success(curve.to_numpy(), best) for curve, best in each])
     column = {"episodes": "converged_at", "steps": "steps_had"}[measure]
     values = runs[column].cast(pl.Float64).fill_null(np.inf).to_numpy()
     return np.where(runs["converged_at"].is_null().to_numpy(), np.inf, values)
 
 
-def _first(curve: Float[np.ndarray, "n"], wanted: float) -> float:
-    """After how many episodes a learning curve first comes up to a return."""
-    there = np.flatnonzero(curve >= wanted)
-    return float(BLOCK * (there[0] + 1)) if len(there) else np.inf
-
-
-def verdict(sooner: pl.DataFrame, later: pl.DataFrame, measure: str) -> Verdict:
-    """Two agents' runs held against each other."""
-    return verdict_of(counts(sooner, measure), counts(later, measure))
+def verdict(sooner: pl.DataFrame, later: pl.DataFrame, measure: str) -> Comparison:
+    """Two agents' runs compared."""
+    return compare(counts(sooner, measure), counts(later, measure))
 
 
 def multiverse(results: pl.DataFrame) -> pl.DataFrame:
@@ -96,8 +90,8 @@ def multiverse(results: pl.DataFrame) -> pl.DataFrame:
 
     Returns:
         A row for each claim, learner, horizon, beta and measure: "superiority", "p", "outcome" and
-        how many runs came so far. A claim about vanilla agents alone has one setting a learner and
-        measure (horizon and beta are null).
+        how many runs stayed within their budget. A claim about vanilla agents alone has one setting
+        per learner and measure (horizon and beta are null).
     """
     rows = []
     for claim in CLAIMS:
@@ -136,8 +130,8 @@ def on_maps(results: pl.DataFrame) -> pl.DataFrame:
                 _chosen(results, side | {"map": name}) for side in (claim.sooner, claim.later)
             )
             for measure in MEASURES:
-                told = verdict(sooner, later, measure)
-                rows.append({"claim": claim.name, "map": name, "measure": measure} | _row(told))
+                ranks = verdict(sooner, later, measure)
+                rows.append({"claim": claim.name, "map": name, "measure": measure} | _row(ranks))
     return pl.DataFrame(rows)
 
 
@@ -190,11 +184,11 @@ def _chosen(results: pl.DataFrame, values: dict[str, str]) -> pl.DataFrame:
     return results.filter(**values)  # pyright: ignore[reportArgumentType]
 
 
-def _row(told: Verdict) -> dict[str, object]:
+def _row(ranks: Comparison) -> dict[str, object]:
     return {
-        "superiority": told.superiority,
-        "p": told.p,
-        "outcome": told.outcome.value,
-        "sooner_converged": told.sooner_converged,
-        "later_converged": told.later_converged,
+        "superiority": ranks.superiority,
+        "p": ranks.p,
+        "outcome": ranks.outcome.value,
+        "sooner_converged": ranks.sooner_converged,
+        "later_converged": ranks.later_converged,
     }

@@ -1,4 +1,4 @@
-"""Whether a bonus in the reward changes what is best: exactly, without training."""
+"""Whether a bonus in the reward changes the optimal policy: exactly, without training."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -35,8 +35,8 @@ def return_of_the_best_policy(
     everywhere = np.arange(mdp.states)
     policy = np.zeros(mdp.states, int)
     while True:
-        worth = _sums(reached[everywhere, policy], reward[everywhere, policy], discount)
-        q = reward + discount * worth[reached]
+        value = _sums(reached[everywhere, policy], reward[everywhere, policy], discount)
+        q = reward + discount * value[reached]
         better = q.max(axis=1) > q[everywhere, policy] + 1e-9
         if not better.any():
             break

@@ -9,7 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from habilis.learning.intervals import bootstrap_interval, interquartile_mean
+from habilis.statistics import bootstrap_interval, interquartile_mean
 from habilis.studies.axes import (
     LABEL_SIZE,
     episodes_axis,

@@ -11,16 +11,16 @@ from habilis.files import write_whole
 from habilis.studies.page import inlined, render
 from habilis.worlds.pictures.figures import save_figure
 from research.multiverse import claims, pictures
+from research.multiverse.results import Multiverse, aggregate, paper_curves
 from research.multiverse.settings import (
     BETAS,
     HORIZONS,
     LEARNERS,
     RUNS,
 )
-from research.multiverse.study import Study, aggregate, paper_curves
 
 
-def write_study(study: Study, folder: Path) -> None:
+def write_study(study: Multiverse, folder: Path) -> None:
     """Writes `report.html`, every picture as SVG, and the data as CSV, into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     data = {
@@ -37,11 +37,11 @@ def write_study(study: Study, folder: Path) -> None:
     write_page(study, folder)
 
 
-def write_page(study: Study, folder: Path) -> None:
+def write_page(study: Multiverse, folder: Path) -> None:
     """Writes `report.html` into the folder that holds the pictures, which go into the page.
 
     Args:
-        study: what it says; the runs' learning curves are not needed.
+        study: its content; the runs' learning curves are not needed.
         folder: as `write_study` leaves it.
     """
     page = render(
@@ -63,12 +63,12 @@ def write_page(study: Study, folder: Path) -> None:
     write_whole(folder / "report.html", lambda file: file.write(page.encode()))
 
 
-def settings_count(study: Study) -> int:
+def settings_count(study: Multiverse) -> int:
     """How many settings the multiverse has: learner, horizon and beta."""
     return study.multiverse.drop_nulls("beta").select("learner", "horizon", "beta").n_unique()
 
 
-def _figures(study: Study) -> Iterator[tuple[str, Figure]]:
+def _figures(study: Multiverse) -> Iterator[tuple[str, Figure]]:
     yield "shares", pictures.shares_figure(_shares(study.multiverse))
     yield "maps-shares", pictures.shares_figure(_shares(study.maps))
     for measure, name in (("episodes", "choices"), ("first success", "choices-first")):

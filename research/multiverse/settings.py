@@ -1,4 +1,4 @@
-"""What is trained: every combination of the choices that a researcher has."""
+"""The conditions: every combination of the choices that a researcher has."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -50,16 +50,16 @@ LEARNERS: dict[str, dict[str, Any]] = {
         "epsilon_steps": 200_000,
     },
 }
-"""Training choices, by the names that pictures show: changes to the settings of the tables, or to
-an algorithm's defaults, and the environment steps after which a run is given up. With A2C entropy
-falls sooner than in the tables, which changes little for vanilla agents, but takes a quarter of the
-time where a bonus makes steps cheap. RMSprop on the full reward is the slowest learner here, and
+"""Training choices, by the names that figures show: changes to the settings of the tables, or to an
+algorithm's defaults, and the budget of a run in environment steps. With A2C, entropy falls sooner
+than in the tables, which changes little for vanilla agents, but takes a quarter of the time where a
+bonus makes steps cheap. RMSprop on the full reward is the slowest learner here, and
 came closest to the published counts of vanilla agents in the corridor."""
 
 
 @dataclass(frozen=True)
-class Agent:
-    """One thing to train ten times.
+class Condition:
+    """One experimental condition, trained ten times.
 
     Attributes:
         part: of the study: "multiverse", "maps" or "shaping".
@@ -101,7 +101,7 @@ in, and stays of these, whichever pair the reproduction uses now."""
 FOUND = {"corridor": 8, "yard": 6}
 
 
-def agents(maps: dict[str, Path]) -> list[Agent]:
+def agents(maps: dict[str, Path]) -> list[Condition]:
     """All agents of the second part: the multiverse, the other maps, the shapings.
 
     Args:
@@ -111,7 +111,7 @@ def agents(maps: dict[str, Path]) -> list[Agent]:
     return [*_multiverse(), *_on_maps(maps), *_shapings()]
 
 
-def _multiverse() -> Iterator[Agent]:
+def _multiverse() -> Iterator[Condition]:
     for learner in LEARNERS:
         for world, tool, rewards in WORLDS:
             yield _agent("multiverse", learner, world, tool)
@@ -121,7 +121,7 @@ def _multiverse() -> Iterator[Agent]:
                         yield _agent("multiverse", learner, world, tool, reward, horizon, beta)
 
 
-def _on_maps(maps: dict[str, Path]) -> Iterator[Agent]:
+def _on_maps(maps: dict[str, Path]) -> Iterator[Condition]:
     """The rows of the paper's tables, each on every map of its world."""
     for name, path in maps.items():
         for world, tool, reward, horizon, beta in paper_rows():
@@ -129,7 +129,7 @@ def _on_maps(maps: dict[str, Path]) -> Iterator[Agent]:
                 yield _agent("maps", "A2C", name, tool, reward, horizon, beta, path=path)
 
 
-def _shapings() -> Iterator[Agent]:
+def _shapings() -> Iterator[Condition]:
     """The rows of the paper's tables, at its beta and at one that harms, given in each way."""
     for world, tool, reward, horizon, beta in paper_rows():
         if reward == "none":
@@ -158,7 +158,7 @@ def _agent(
     beta: float = 0.0,
     how: str = "plain",
     path: Path | None = None,
-) -> Agent:
+) -> Condition:
     config = Config.from_dict(frozen_settings()).changed(**LEARNERS[learner])
     config = config.changed(
         world=world if path is None else str(path),
@@ -171,7 +171,7 @@ def _agent(
         seed=SEED,
         episodes=1_000_000,
     )
-    return Agent(part, learner, world, tool, reward, horizon, beta, how, config)
+    return Condition(part, learner, world, tool, reward, horizon, beta, how, config)
 
 
 def all_maps() -> dict[str, Path]:

@@ -23,13 +23,13 @@ from habilis.studies.paper.published import EXPERIMENTS, REWARDS
 from habilis.studies.paper.settings import FAST_MAPS, FULL, row_config
 from habilis.sweeps.sweep import sweep
 from research.multiverse import claims
-from research.multiverse.settings import BETAS, HORIZONS, LEARNERS, Agent, agents
+from research.multiverse.settings import BETAS, HORIZONS, LEARNERS, Condition, agents
 
 FAST = "fast default"
 """The name of the learner of `data/settings.toml`."""
 
 
-def compared_agents() -> list[Agent]:
+def compared_agents() -> list[Condition]:
     """Every row of both tables, by the fast learner and by each of the multiverse's.
 
     Example:
@@ -39,15 +39,15 @@ def compared_agents() -> list[Agent]:
     return [*_fast(), *_of_the_multiverse()]
 
 
-def _fast() -> Iterator[Agent]:
+def _fast() -> Iterator[Condition]:
     for experiment in EXPERIMENTS:
         for row in experiment.rows:
             config = row_config(experiment, row, FULL)
             where = (config.world, row.tool, REWARDS[row.intrinsic])
-            yield Agent("fast", FAST, *where, row.horizon, row.beta, "plain", config)
+            yield Condition("fast", FAST, *where, row.horizon, row.beta, "plain", config)
 
 
-def _of_the_multiverse() -> Iterator[Agent]:
+def _of_the_multiverse() -> Iterator[Condition]:
     grid = {
         (a.learner, a.map, a.tool, a.reward, a.horizon, a.beta): a
         for a in agents({})
@@ -72,7 +72,7 @@ def nearest(value: float, grid: Sequence[float]) -> Any:
     return value and min(grid, key=lambda one: abs(log(one / value)))
 
 
-def as_rows(everyone: Sequence[Agent], results: pl.DataFrame) -> pl.DataFrame:
+def as_rows(everyone: Sequence[Condition], results: pl.DataFrame) -> pl.DataFrame:
     """What a sweep over agents gave, a row an agent, as `data.load_compared` reads it."""
     rows = []
     for point, agent in enumerate(everyone):

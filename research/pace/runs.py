@@ -7,8 +7,8 @@
     python -m research.pace.runs thirty --out thirty.csv
 
 The first two train vanilla agents alone; the others need the frozen pairs of `ranking.py`, whose
-agents they train, those with a bonus too. A file is added to, and what it has is not trained again:
-what there is no time for within `--seconds` is left for another call.
+agents they train, those with a bonus too. Results are added to the file, and those in it are not
+trained again; work that does not fit into `--seconds` is left for another call.
 """
 
 import argparse
@@ -26,7 +26,7 @@ from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
 from habilis.studies.maps import MAPS, world_source
-from habilis.studies.pace.data import Pair, load_pace
+from habilis.studies.pace.data import BLOCK, Pair, first_success, load_pace
 from habilis.studies.paper.published import EXPERIMENTS, FIRST_WORLD, REWARDS
 from habilis.studies.paper.settings import FAST_MAPS, row_config
 from research.pace.design import Setting, parts, settings
@@ -200,26 +200,25 @@ def _line(number: int, world: str, tool: str, setting: Setting, job: Job) -> Lin
 
 
 def outcome(job: Job) -> Line:
-    """What the runs of an agent came to."""
+    """The results of an agent's runs."""
     records = job.records
     at = [record.converged_at for record in records]
-    first = [first_success(r.episodes()[:, 1], job.best_return) for r in records]
+    curves = [learning_curve(record.episodes()[:, 1]) for record in records]
+    first = [first_success(curve, job.best_return) for curve in curves]
     return {
         "runs": len(records),
         "converged": sum(n is not None for n in at),
         "episodes": _words(at),
-        "first_success": _words(first),
+        "first_success": _words(None if np.isinf(n) else int(n) for n in first),
         "had": _words([record.count for record in records]),
         "steps": _words([record.steps for record in records]),
         "device": jax.devices()[0].device_kind,
     }
 
 
-def first_success(returns: np.ndarray, best: float, block: int = 100) -> int | None:
-    """After how many episodes the mean return of a hundred is first twice the best one's cost."""
-    means = returns[: len(returns) // block * block].reshape(-1, block).mean(axis=1)
-    there = np.flatnonzero(means >= 2 * best)
-    return int(block * (there[0] + 1)) if len(there) else None
+def learning_curve(returns: np.ndarray) -> np.ndarray:
+    """The mean return over each `BLOCK` episodes."""
+    return returns[: len(returns) // BLOCK * BLOCK].reshape(-1, BLOCK).mean(axis=1)
 
 
 def _converged(line: Line | None) -> int:

@@ -9,11 +9,12 @@ import pytest
 
 import habilis as hb
 from habilis.analysis.averages import average_empowerment
+from habilis.statistics import interquartile_interval, pooled_interquartile_interval
 from research.multiverse import claims
 from research.multiverse.optimum import return_of_the_best_policy
 from research.multiverse.report import settings_count, write_page, write_study
+from research.multiverse.results import Multiverse, aggregate, joined, paper_curves
 from research.multiverse.settings import BETAS, HORIZONS, WORLDS, agents, all_maps
-from research.multiverse.study import Study, aggregate, iqm, joined, paper_curves, pooled
 
 EVERYONE = agents(all_maps())
 
@@ -45,7 +46,7 @@ def study():
     def episodes(agent):
         return first[agent.reward] + 10_000 * (agent.tool == "broom")
 
-    return Study.of(joined(EVERYONE, results_of(EVERYONE, episodes)))
+    return Multiverse.of(joined(EVERYONE, results_of(EVERYONE, episodes)))
 
 
 def test_the_grid_has_at_least_sixty_settings_and_ten_runs_of_each():
@@ -159,7 +160,7 @@ def test_the_page_that_is_checked_in_is_what_the_data_and_the_template_give(tmp_
     docs = Path(__file__).parents[2] / "docs" / "multiverse"
     for picture in docs.glob("*.svg"):
         shutil.copy(picture, tmp_path)
-    write_page(Study.read(docs), tmp_path)
+    write_page(Multiverse.read(docs), tmp_path)
     assert (tmp_path / "report.html").read_text() == (docs / "report.html").read_text()
 
 
@@ -198,25 +199,25 @@ def test_claims_on_maps_have_the_same_direction(study):
 
 def test_an_interval_is_open_where_too_many_runs_were_given_up():
     ten = np.arange(1.0, 11.0)
-    middle, low, high = iqm(ten)
+    middle, low, high = interquartile_interval(ten)
     assert middle == 5.5
     assert low is not None
     assert low < 5.5
     assert high is not None
     assert high > 5.5
     ten[-2:] = np.inf
-    middle, low, high = iqm(ten)
+    middle, low, high = interquartile_interval(ten)
     assert middle == 5.5, "the two are in the upper quarter"
     assert low is not None
     assert high is None
     ten[-3:] = np.inf
-    assert iqm(ten)[0] is None
+    assert interquartile_interval(ten)[0] is None
 
 
 def test_agents_that_never_come_so_far_are_not_the_sooner_ones():
     tasks = [np.array([1.0, 2.0, 3.0, 4.0]), np.full(4, np.inf)]
-    assert pooled(tasks) == (None, None, None)
-    middle, low, high = pooled([np.array([0.5, 0.5, 0.5, 0.5])] * 2)
+    assert pooled_interquartile_interval(tasks) == (None, None, None)
+    middle, low, high = pooled_interquartile_interval([np.array([0.5, 0.5, 0.5, 0.5])] * 2)
     assert (middle, low, high) == (0.5, 0.5, 0.5)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from habilis.learning.config import Config
 from habilis.learning.lanes import Program
-from habilis.studies.pace.data import load_pace
+from habilis.studies.pace.data import first_success, load_pace
 from research.pace import design, ranking, runs
 
 FIRST = {"envs": 4, "rollout": 5, "hidden": (4,), "episode_limit": 20}
@@ -144,5 +144,6 @@ def test_what_there_is_no_time_for_is_left(tmp_path: Path):
 
 def test_the_first_success_is_when_a_hundred_episodes_cost_at_most_twice_the_best():
     returns = np.concatenate([np.full(150, -100.0), np.full(250, -20.0)])
-    assert runs.first_success(returns, -10.0) == 300
-    assert runs.first_success(returns, -9.0) is None
+    curve = runs.learning_curve(returns)
+    assert first_success(curve, -10.0) == 300
+    assert first_success(curve, -9.0) == np.inf

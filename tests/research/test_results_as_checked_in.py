@@ -7,7 +7,7 @@ import pytest
 from polars.testing import assert_frame_equal
 
 from habilis.studies.pace.data import FOLDER
-from research.multiverse import claims, study
+from research.multiverse import claims, results
 from research.pace import ranking, runs
 
 DOCS = Path(__file__).parents[2] / "docs" / "multiverse"
@@ -31,14 +31,14 @@ def test_verdicts_follow_from_the_runs(name, part, verdicts, monkeypatch):
 
 def test_rows_and_their_intervals_follow_from_the_runs():
     wanted = pl.read_csv(DOCS / "rows.csv", infer_schema_length=None)
-    agrees(study.rows(RUNS.filter(part="shaping")), wanted)
+    agrees(results.rows(RUNS.filter(part="shaping")), wanted)
 
 
 def test_the_best_policies_are_what_they_were(monkeypatch):
     horizons = (1, 3)
-    monkeypatch.setattr(study, "HORIZONS", horizons)
+    monkeypatch.setattr(results, "HORIZONS", horizons)
     wanted = pl.read_csv(DOCS / "optima.csv", infer_schema_length=None)
-    agrees(study.optima(), wanted.filter(pl.col("horizon").is_in(horizons)))
+    agrees(results.optima(), wanted.filter(pl.col("horizon").is_in(horizons)))
 
 
 def test_the_frozen_pairs_are_the_best_of_those_that_were_confirmed():

@@ -7,12 +7,12 @@ import polars as pl
 
 from habilis.learning.runs import Run
 from habilis.studies.pace.data import Pace
-from habilis.studies.paper.agent_claims import learned_claims
+from habilis.studies.paper.agent_statements import agent_statements
 from habilis.studies.paper.numbers import published_numbers, published_statements
 from habilis.studies.paper.published import EXPERIMENTS, Experiment, Row
 from habilis.studies.paper.settings import FULL, row_config
 from habilis.studies.paper.tables import Result
-from habilis.studies.reproduction.outcome import Reproduction
+from habilis.studies.reproduction.result import Reproduction
 from habilis.worlds.world import load_world
 
 
@@ -27,7 +27,7 @@ def reproduction(folder: Path, pace: Pace, scale: float = 1.0, seed: int = 0) ->
         folder=folder,
         numbers=published_numbers(),
         relations=published_statements(),
-        learned=learned_claims(results, pace.ensemble),
+        learned=agent_statements(results, pace.ensemble),
         results=results,
         pace=pace,
         budget=FULL,

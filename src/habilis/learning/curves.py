@@ -7,8 +7,8 @@ import numpy as np
 import polars as pl
 from jaxtyping import Float
 
-from habilis.learning.intervals import STATISTICS, bootstrap_interval
 from habilis.learning.runs import Run
+from habilis.statistics import STATISTICS, bootstrap_interval
 
 SMOOTHING = 100  # episodes
 POINTS = 500  # of a curve

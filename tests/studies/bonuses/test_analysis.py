@@ -7,9 +7,9 @@ import polars as pl
 import pytest
 
 from habilis.learning.config import Config
-from habilis.learning.intervals import bootstrap_interval
 from habilis.learning.runs import Run
-from habilis.studies.bonuses.analysis import comparisons, holm, sentences, summary
+from habilis.statistics import bootstrap_interval, holm
+from habilis.studies.bonuses.analysis import contrasts, sentences, summary
 from habilis.studies.bonuses.report import Answer, write_report
 from habilis.studies.bonuses.run import STUDIES
 from habilis.studies.bonuses.study import BETAS, CONVERGENCE, FULL, Agent, Measure
@@ -77,7 +77,7 @@ def test_shares_are_means_with_the_bootstrap_interval_of_the_project():
 
 
 def test_comparisons_and_their_sentences_come_from_the_numbers():
-    compared = comparisons(TWO_GOALS, RUNS)
+    compared = contrasts(TWO_GOALS, RUNS)
     outcome = {(c.agent, c.other): c.outcome for c in compared}
     assert outcome["A2C + sum of both cans", "A2C"] is Outcome.HOLDS
     assert outcome["A2C + product of both cans", "A2C"] is Outcome.OPPOSITE
@@ -85,9 +85,9 @@ def test_comparisons_and_their_sentences_come_from_the_numbers():
     assert outcome["A2C + first can", "A2C"] is Outcome.UNDECIDED
     told = dict.fromkeys(sentences(TWO_GOALS, compared))
     assert any("A2C + product of both cans is later than A2C (p = " in line for line in told)
-    assert any("A2C + first can is not to be told from A2C (p = " in line for line in told)
+    assert any("A2C + first can is not distinguishable from A2C (p = " in line for line in told)
     other = made_up(TWO_GOALS, lambda agent, run: 12_000 - (episodes(agent, run) or 0))
-    turned = {(c.agent, c.other): c.outcome for c in comparisons(TWO_GOALS, other)}
+    turned = {(c.agent, c.other): c.outcome for c in contrasts(TWO_GOALS, other)}
     assert turned["A2C + sum of both cans", "A2C"] is Outcome.OPPOSITE
 
 
@@ -95,7 +95,7 @@ def test_of_shares_the_larger_is_the_better():
     share = Measure("share", "a share", counts=False)
     study = replace(TWO_GOALS, measures=(share,), pairs=(("PPO", "A2C"),))
     runs = made_up(study, episodes, share=lambda agent, run: 0.01 * run + 0.5 * (agent == "PPO"))
-    (one,) = comparisons(study, runs)
+    (one,) = contrasts(study, runs)
     assert one.outcome is Outcome.HOLDS
     assert "PPO is higher than A2C" in sentences(study, [one])[0]
 
@@ -179,5 +179,5 @@ def test_a_report_shows_what_was_found(tmp_path):
     assert answer.outcome[0] in page
     assert "<svg" in page
     assert "3,045" in page
-    assert "mean nothing" not in page
+    assert "meaningless" not in page
     assert pl.read_csv(tmp_path / "two-goals.csv").height == len(TWO_GOALS.agents)

@@ -5,7 +5,7 @@ import pytest
 from paces import write_pace
 
 from habilis.studies.comparison import Outcome
-from habilis.studies.pace.data import Agent, Learner, load_pace
+from habilis.studies.pace.data import AgentRuns, Learner, load_pace
 from habilis.studies.pace.ratios import one_by_one, ratio_over
 from habilis.studies.paper.published import EXPERIMENTS
 
@@ -21,7 +21,7 @@ def learner(vanilla, toe, had_vanilla=None, had_toe=None):
         counts = np.array(counts, float)
         measures = {"convergence": counts, "first success": counts / 10}
         had = counts if had is None else np.array(had, float)
-        agents.append(Agent("corridor", "picker", reward, 0, 0.0, measures, had))
+        agents.append(AgentRuns("corridor", "picker", reward, 0, 0.0, measures, had))
     return Learner("one", "ensemble", {"table1": "corridor", "table2": "yard"}, tuple(agents))
 
 
@@ -73,7 +73,7 @@ def test_an_agent_that_never_converges_is_not_the_sooner_one_for_having_had_few_
     found = ratio_over([one], FIRST, TOE, VANILLA)
     assert found is not None
     assert found.middle == pytest.approx(0.4)
-    assert (found.is_what, found.outcome) == ("at least", Outcome.OPPOSITE)
+    assert (found.kind, found.outcome) == ("at least", Outcome.OPPOSITE)
 
 
 def test_no_learner_with_both_rows_is_no_ratio():

@@ -7,7 +7,7 @@ from scipy.stats import spearmanr
 
 from habilis.studies.comparison import Outcome
 from habilis.studies.pace import slowness
-from habilis.studies.pace.data import MEASURES, Agent, Learner, load_pace
+from habilis.studies.pace.data import MEASURES, AgentRuns, Learner, load_pace
 from habilis.studies.paper.published import EXPERIMENTS, REWARDS
 from habilis.studies.reproduction.figures import slowness_figure
 
@@ -24,7 +24,7 @@ def learner(name, pace, ratio, noise=0.05, seed=0, runs=10):
             counts = mean * random.lognormal(0, noise, runs)
             where = (MAPS[experiment.name], row.tool, REWARDS[row.intrinsic])
             measures = {measure: counts for measure in MEASURES}  # noqa: C420
-            agents.append(Agent(*where, row.horizon, row.beta, measures, counts))
+            agents.append(AgentRuns(*where, row.horizon, row.beta, measures, counts))
     return Learner(name, "multiverse", MAPS, tuple(agents))
 
 
@@ -75,7 +75,7 @@ def test_by_order_learners_that_never_converge_are_the_slowest_however_few_their
         one = learner(name, 20_000, 1.0, seed=seed)
         never = {m: np.full(10, np.inf) for m in MEASURES}
         agents = tuple(
-            Agent(*(a.map, a.tool, a.reward, a.horizon, a.beta), never, np.full(10, 4_000.0))
+            AgentRuns(*(a.map, a.tool, a.reward, a.horizon, a.beta), never, np.full(10, 4_000.0))
             if a.reward == "none"
             else a
             for a in one.agents
@@ -96,7 +96,7 @@ def test_rows_of_different_pace_do_not_pretend_that_learners_differ():
     many = learners(lambda pace: 1.0, noise=0.1)
     agents = [
         tuple(
-            Agent(
+            AgentRuns(
                 *(a.map, a.tool, a.reward, a.horizon, a.beta),
                 {m: c * factor for m, c in a.counts.items()},
                 a.had * factor,

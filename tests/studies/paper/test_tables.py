@@ -8,7 +8,8 @@ from habilis.learning.config import Config
 from habilis.learning.runs import Run
 from habilis.studies.comparison import Outcome
 from habilis.studies.paper.published import EXPERIMENTS
-from habilis.studies.paper.tables import Result, comparisons, table
+from habilis.studies.paper.tables import Result, row_orders, table
+from habilis.studies.comparison import Outcome
 from habilis.worlds.world import load_world
 
 FIRST, SECOND = EXPERIMENTS
@@ -77,7 +78,7 @@ def test_the_papers_pairs_are_separated_as_its_figures_say():
     """All at p < 0.001, but for FOE and TOE of Table I, p = 0.15."""
     for experiment in EXPERIMENTS:
         same = [run([10, 12])] * len(experiment.rows)
-        for c in comparisons(experiment, results(experiment, same)):
+        for c in row_orders(experiment, results(experiment, same)):
             assert c.published_p == pytest.approx(WELCH[c.faster, c.slower], rel=0.001)
             if {c.faster, c.slower} == {"A2C with 5-step FOE", "A2C with 6-step TOE"}:
                 assert c.published_p == pytest.approx(0.15, abs=0.005)
@@ -91,13 +92,13 @@ def test_verdicts_are_plain_about_order_doubt_and_runs_given_up():
     given_up = run([900, 111, 104, 103, 102], given_up=[0])
     verdict = {
         (c.faster, c.slower): c.verdict
-        for c in comparisons(FIRST, results(FIRST, [slow, fast, given_up]))
+        for c in row_orders(FIRST, results(FIRST, [slow, fast, given_up]))
     }
     vanilla, foe, toe = (row.label for row in FIRST.rows)
     assert verdict[foe, vanilla].startswith("the paper's order (p = ")
     assert verdict[toe, foe].startswith("undecided: not separated (p = ")
     assert verdict[toe, vanilla].startswith("undecided: not separated (p = ")
-    opposite = comparisons(FIRST, results(FIRST, [fast, slow, slow]))
+    opposite = row_orders(FIRST, results(FIRST, [fast, slow, slow]))
     assert all(
         c.verdict.startswith("the opposite order (p") for c in opposite if c.slower == vanilla
     )
@@ -108,11 +109,11 @@ def test_where_runs_were_given_up_ranks_decide_and_not_the_episodes_they_had():
     fast, slow = list(range(100, 110)), list(range(200, 210))
     for had in (1, 5_000):
         few = run([*fast[:9], had], given_up=[9])
-        ours = comparisons(FIRST, results(FIRST, [run(slow), few, few]))
+        ours = row_orders(FIRST, results(FIRST, [run(slow), few, few]))
         assert all(c.outcome is Outcome.HOLDS for c in ours if c.slower == "A2C")
         assert all(not c.complete for c in ours)
         none = run([had] * 10, given_up=range(10))
-        ours = comparisons(FIRST, results(FIRST, [run(slow), none, none]))
+        ours = row_orders(FIRST, results(FIRST, [run(slow), none, none]))
         assert all(c.outcome is Outcome.OPPOSITE for c in ours if c.slower == "A2C")
 
 
@@ -123,14 +124,14 @@ def test_the_median_takes_a_run_given_up_for_the_longest():
 
 def test_equal_rows_and_rows_that_do_not_vary_are_undecided():
     for counts in ([100, 110, 105], [100, 100, 100]):
-        for c in comparisons(FIRST, results(FIRST, [run(counts)] * 3)):
+        for c in row_orders(FIRST, results(FIRST, [run(counts)] * 3)):
             assert c.outcome is Outcome.UNDECIDED
             assert c.verdict == "undecided: not separated (p = 1)"
 
 
 def test_welch_is_welch_and_undefined_for_single_runs():
     a, b = [100, 120, 90, 101], [130, 180, 150, 177]
-    found = comparisons(FIRST, results(FIRST, [run(b), run(a), run(a)]))[1]
+    found = row_orders(FIRST, results(FIRST, [run(b), run(a), run(a)]))[1]
     x, y = np.array(a, float), np.array(b, float)
     va, vb = x.var(ddof=1) / 4, y.var(ddof=1) / 4
     t = (x.mean() - y.mean()) / np.sqrt(va + vb)
@@ -138,7 +139,7 @@ def test_welch_is_welch_and_undefined_for_single_runs():
     from scipy.stats import t as student
 
     assert found.ours_p == pytest.approx(2 * student.sf(abs(t), df))
-    single = comparisons(FIRST, results(FIRST, [run([10]), run([20]), run([30])]))
+    single = row_orders(FIRST, results(FIRST, [run([10]), run([20]), run([30])]))
     assert all(c.ours_p == 1 for c in single)
 
 

@@ -159,7 +159,7 @@ def test_side_by_side_is_in_the_open():
             "'spoon'; use one of picker, broom, rake, stick, magnet, none",
         ),
         (HEAD + STEPS.replace("steps", "hops", 1), "number 1: kind is 'hops'; use one of steps"),
-        (HEAD + STEPS + STEPS + "horizon = 3", "number 2: 'horizon' says nothing of steps"),
+        (HEAD + STEPS + STEPS + "horizon = 3", "number 2: 'horizon' does not apply to steps"),
         (HEAD + STEPS.replace("6", '"six"'), "number 1: value is 'six'; give a number"),
         (HEAD + STEPS.replace("value = 6", ""), "give a value with a tolerance"),
         (HEAD + STEPS.replace("value = 6", "least = 3\nmost = 2"), "least not above the most"),

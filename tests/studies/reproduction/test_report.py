@@ -35,7 +35,7 @@ def test_what_is_missing_is_named_and_nothing_stands_in_its_place(bare):
     found, text = bare
     for name, what in FILES.items():
         assert f"{name} ({what.replace(chr(39), '&#39;')})" in text
-    assert "Not there yet" in text
+    assert "<b>Missing:</b>" in text
     assert "no pairs yet" in text
     assert "ensemble's ratio" not in text
     assert not (found.folder / "slowness.svg").exists()
@@ -47,7 +47,7 @@ def test_what_is_missing_is_named_and_nothing_stands_in_its_place(bare):
 
 def test_tables_have_more_runs_and_the_ensembles_ratio_with_its_interval_and_verdicts(full):
     found, text = full
-    assert "Not there yet" not in text
+    assert "<b>Missing:</b>" not in text
     assert "ours, 30 runs" in text
     for experiment in EXPERIMENTS:
         rows = pl.read_csv(found.folder / f"{experiment.name}.csv")

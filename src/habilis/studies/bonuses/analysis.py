@@ -1,21 +1,20 @@
-"""What the runs of a study say: a table with intervals, comparisons, a sentence."""
+"""The results of a study: a table with intervals, contrasts of agents, sentences."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import polars as pl
 from jaxtyping import Float
 
-from habilis.learning.intervals import bootstrap_interval
+from habilis.statistics import bootstrap_interval, holm, interquartile_interval
 from habilis.studies.bonuses.study import Measure, Study
-from habilis.studies.comparison import Outcome, mann_whitney, outcome_of
-from research.multiverse.study import iqm
+from habilis.studies.comparison import Comparison, Outcome, compare
 
 
 def values_of(runs: pl.DataFrame, measure: Measure) -> Float[np.ndarray, "runs"]:
-    """A measure of each run; infinite where it counts episodes and a run did not get there."""
+    """A measure of each run; infinite where it counts episodes and a run exceeded its budget."""
     values = runs[measure.column].cast(pl.Float64)
     return values.fill_null(np.inf if measure.counts else 0.0).to_numpy()
 
@@ -30,8 +29,8 @@ def summary(study: Study, runs: pl.DataFrame) -> pl.DataFrame:
     Returns:
         A row for each case and agent: "case", "agent", "beta", "runs", "converged" (how many of
         them), and for each measure three columns named for its own: the middle, "_low", "_high".
-        Of counts the middle is the interquartile mean, null where too many runs did not come so
-        far; of shares the mean. The ends are those of the 95 % bootstrap interval.
+        Of counts the middle is the interquartile mean, null where too many runs exceeded their
+        budget; of shares the mean. The ends are those of the 95 % bootstrap interval.
     """
     rows = []
     for case in study.cases:
@@ -57,87 +56,80 @@ def interval(
 ) -> tuple[float | None, float | None, float | None]:
     """The middle of some runs and its 95 % interval; null where infinite."""
     if measure.counts:
-        return iqm(values)
+        return interquartile_interval(values)
     low, high = bootstrap_interval(values)
     return float(values.mean()), float(low), float(high)
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Two agents held against each other in one case.
+class Contrast:
+    """Two agents compared in one case.
 
     Attributes:
         case, agent, other: which.
-        superiority: how often a run of the agent was better than one of the other (ties: half).
-        p: two-sided, Mann and Whitney's, after Holm's correction over the pairs of the case.
+        ranks: how often a run of the agent was better than one of the other, and p after Holm's
+            correction over the pairs of the case.
     """
 
     case: str
     agent: str
     other: str
-    superiority: float
-    p: float
+    ranks: Comparison
 
     @property
     def outcome(self) -> Outcome:
-        """Whether the agent is the better one, the other is, or nobody can say."""
-        return outcome_of(self.superiority, self.p)
+        """Whether the agent is the better one, the other is, or neither can be shown."""
+        return self.ranks.outcome
+
+    def as_dict(self) -> dict[str, Any]:
+        """For machines."""
+        names = {"case": self.case, "agent": self.agent, "other": self.other}
+        ranks = {"superiority": self.ranks.superiority, "p": self.ranks.p}
+        return names | ranks | {"outcome": self.outcome.value}
 
 
-def comparisons(study: Study, runs: pl.DataFrame) -> list[Comparison]:
-    """The pairs of a study, held against each other in each case by the measure that decides."""
+def contrasts(study: Study, runs: pl.DataFrame) -> list[Contrast]:
+    """The pairs of a study, compared in each case by the measure that decides."""
     found = []
     for case in study.cases:
         of_agent = {
             agent.name: values_of(runs.filter(case=case.name, agent=agent.name), study.measures[0])
             for agent in study.agents
         }
-        tests = [mann_whitney(of_agent[one], of_agent[other]) for one, other in study.pairs]
-        corrected = holm([p for _, p in tests])
-        for (one, other), (below, _), p in zip(study.pairs, tests, corrected, strict=True):
-            better = below if study.measures[0].counts else 1 - below
-            found.append(Comparison(case.name, one, other, better, p))
+        tests = [compare(of_agent[one], of_agent[other]) for one, other in study.pairs]
+        corrected = holm([test.p for test in tests])
+        for (one, other), test, p in zip(study.pairs, tests, corrected, strict=True):
+            below = test.superiority
+            better = below if study.measures[0].counts else 1 - below  # of shares the larger
+            ranks = replace(test, superiority=better, p=p)
+            found.append(Contrast(case.name, one, other, ranks))
     return found
 
 
-def holm(p: Sequence[float]) -> list[float]:
-    """p-values of several tests, corrected so that one in twenty sets of them is wrong anywhere.
-
-    Example:
-        >>> holm([0.01, 0.04, 0.03])
-        [0.03, 0.06, 0.06]
-    """
-    corrected, largest = [1.0] * len(p), 0.0
-    for rank, place in enumerate(sorted(range(len(p)), key=p.__getitem__)):
-        largest = max(largest, (len(p) - rank) * p[place])
-        corrected[place] = min(1.0, largest)
-    return corrected
-
-
-def sentences(study: Study, compared: Sequence[Comparison]) -> list[str]:
+def sentences(study: Study, compared: Sequence[Contrast]) -> list[str]:
     """The outcome in words: a sentence for each case and agent whose pairs there are."""
     better, worse = ("sooner", "later") if study.measures[0].counts else ("higher", "lower")
     words = {
         Outcome.HOLDS: f"{better} than",
         Outcome.OPPOSITE: f"{worse} than",
-        Outcome.UNDECIDED: "not to be told from",
+        Outcome.UNDECIDED: "not distinguishable from",
     }
-    told = []
+    lines = []
     for case in study.cases:
         for agent in dict.fromkeys(one for one, _ in study.pairs):
             parts = []
             for outcome, phrase in words.items():
                 others = [
-                    f"{c.other} (p = {c.p:.2g})"
+                    f"{c.other} (p = {c.ranks.p:.2g})"
                     for c in compared
                     if (c.case, c.agent, c.outcome) == (case.name, agent, outcome)
                 ]
                 if others:
                     parts.append(f"{phrase} {', '.join(others)}")
-            told.append(
+            lines.append(
                 f"{case.name}: by {study.measures[0].title}, {agent} is {'; '.join(parts)}."
             )
-    return told
+    return lines
 
 
 def divergences(runs: pl.DataFrame) -> list[str]:

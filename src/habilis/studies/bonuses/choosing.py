@@ -1,4 +1,4 @@
-"""Several tools lie about, and only one of them fits: which reward leads an agent to it?"""
+"""Several tools on a map, of which only one fits: which reward leads an agent to it?"""
 
 import polars as pl
 

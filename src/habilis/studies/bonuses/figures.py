@@ -13,9 +13,9 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from habilis.studies.bonuses.study import CONVERGENCE, FIRST_SUCCESS, Measure
 
 CAPTION = (
-    "Every run (small dots; at the right those that never came so far), their interquartile mean "
-    "with its 95 % bootstrap interval (an arrow: one without an end; no large dot: too few runs "
-    "came so far for a mean)."
+    "Every run (small dots; on the right those that exceeded their budget), their interquartile "
+    "mean with its 95 % bootstrap interval (an arrow: unbounded; no large dot: too few runs "
+    "finished for a mean)."
 )
 _RUN, _MIDDLE, _NEVER = "#8a93a3", "#0072b2", "#d55e00"
 _TICKS = [digit * 10**power for power in range(8) for digit in (1, 2, 5)]
@@ -89,7 +89,7 @@ def _bare(ax: Axes) -> None:
 
 
 def _ends(table: pl.DataFrame, runs: pl.DataFrame, measure: Measure) -> tuple[float, float]:
-    """Where an axis begins, and where on it those are drawn that never came so far."""
+    """The start of an axis, and the place on it of runs that exceeded their budget."""
     columns = [runs[measure.column], *(table[measure.column + end] for end in ("_low", "_high"))]
     there = [value for column in columns for value in column.drop_nulls().to_list()]
     return (min(there), 2.0 * max(there)) if there else (1.0, 10.0)

@@ -1,4 +1,4 @@
-"""What studies came to, as a page, pictures and data."""
+"""The results of the studies, as a page, figures and data."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ import polars as pl
 
 from habilis.files import write_whole, writing
 from habilis.studies.bonuses.analysis import (
-    Comparison,
-    comparisons,
+    Contrast,
+    contrasts,
     divergences,
     sentences,
     summary,
@@ -24,23 +24,23 @@ PAGE = "report.html"
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a study came to.
+    """The result of a study.
 
     Attributes:
         study: the study.
         runs: a row a run, as `training.trained` has them.
         table: `analysis.summary`.
-        compared: `analysis.comparisons`.
+        compared: `analysis.contrasts`.
     """
 
     study: Study
     runs: pl.DataFrame
     table: pl.DataFrame
-    compared: list[Comparison]
+    compared: list[Contrast]
 
     @classmethod
     def of(cls, study: Study, runs: pl.DataFrame) -> "Answer":
-        return cls(study, runs, summary(study, runs), comparisons(study, runs))
+        return cls(study, runs, summary(study, runs), contrasts(study, runs))
 
     @property
     def outcome(self) -> list[str]:
@@ -49,7 +49,7 @@ class Answer:
 
     def as_dict(self) -> dict[str, Any]:
         """For machines."""
-        compared = [vars(one) | {"outcome": one.outcome.value} for one in self.compared]
+        compared = [one.as_dict() for one in self.compared]
         return {"table": self.table.to_dicts(), "compared": compared, "outcome": self.outcome}
 
 
@@ -65,16 +65,21 @@ def write_report(answers: Sequence[Answer], budget: Budget, folder: Path) -> Non
             write_whole(folder / f"{name}.csv", answer.table.write_csv)
             write_whole(folder / f"{name}-runs.csv", answer.runs.write_csv)
             save_figure(answer.study.figure(answer.table, answer.runs), folder / f"{name}.svg")
-        page = render(
-            "studies.html",
-            sections=[_section(answer, budget) for answer in answers],
-            figure=lambda name: inlined(folder / f"{name}.svg"),
-            betas=budget.betas,
-            horizon=HORIZON,
-            budget=budget,
-            quick=budget is QUICK,
-        )
-        write_whole(folder / PAGE, lambda file: file.write(page.encode()))
+        write_page(answers, budget, folder)
+
+
+def write_page(answers: Sequence[Answer], budget: Budget, folder: Path) -> None:
+    """Writes `report.html` into the folder that holds the figures, which go into the page."""
+    page = render(
+        "studies.html",
+        sections=[_section(answer, budget) for answer in answers],
+        figure=lambda name: inlined(folder / f"{name}.svg"),
+        betas=budget.betas,
+        horizon=HORIZON,
+        budget=budget,
+        quick=budget is QUICK,
+    )
+    write_whole(folder / PAGE, lambda file: file.write(page.encode()))
 
 
 def _section(answer: Answer, budget: Budget) -> dict[str, Any]:

@@ -29,13 +29,13 @@ def run_studies(
     resume: bool = False,
     on_progress: OnProgress | None = None,
 ) -> list[Answer]:
-    """Trains the agents of some studies, and writes what they came to.
+    """Trains the agents of some studies, and writes the results.
 
     Args:
         names: of `STUDIES`; none: all.
         out: a new folder: `report.html`, and for each study a picture and two tables; in `runs`
             what has been trained.
-        quick: whether to train too little to say anything, to see that it works.
+        quick: whether to run a smoke test: so little training that the results are meaningless.
         resume: whether to go on in a folder of studies.
         on_progress: called whenever a task is finished.
 

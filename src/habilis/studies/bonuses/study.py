@@ -1,4 +1,4 @@
-"""What a study is made of: agents, the cases in which they are compared, and by what."""
+"""The parts of a study: agents, the cases in which they are compared, and the measures."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -64,7 +64,7 @@ class Measure:
     """A number of each run.
 
     Attributes:
-        column: in the table of runs; null where a run did not get there.
+        column: in the table of runs; null where a run exceeded its budget.
         title: in words.
         counts: whether it counts episodes, of which fewer are better, rather than being a share,
             of which more is better.
@@ -114,7 +114,7 @@ class Study:
         tell: measurements of a run besides episodes to first success and convergence.
         figure: its picture, from `analysis.summary` and the table of runs.
         caption: under it.
-        steps: of the environment, after which a run is given up.
+        steps: the budget of a run, in environment steps.
     """
 
     name: str

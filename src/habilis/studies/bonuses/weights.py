@@ -8,9 +8,9 @@ from habilis.studies.bonuses.study import Measure
 def choose(tried: pl.DataFrame, measure: Measure) -> dict[tuple[str, str], float]:
     """The weight with which an agent did best in runs made for that alone.
 
-    Where episodes are counted, that with which most runs came so far; of these the one with the
-    fewest episodes on average; where none came so far, the one whose runs were the first to have
-    any success. Of equals the smallest.
+    Where episodes are counted, the weight with which most runs stay within their budget; among
+    these, the one with the fewest episodes on average; where no run does, the one with the
+    earliest first success. Of equals the smallest.
 
     Args:
         tried: a row a run, as `training.trained` has them, of several weights.

@@ -1,4 +1,4 @@
-"""What was calibrated and trained at the paper's pace, as it is checked in: `data/pace`.
+"""The runs at the paper's pace that are checked in: `data/pace`.
 
 Every number of the headline is read from these files, and none is needed: what is missing is
 named in the report. `docs/how-to/paper.md` describes them.
@@ -28,26 +28,29 @@ FILES = {
     "compared.csv": "the fast default learner and those of the multiverse",
     "after.toml": "what was decided after agents with a bonus had been seen",
 }
-"""What each file holds, by its name."""
+"""The content of each file, by its name."""
 
 MEASURES = ("first success", "convergence")
 """What is counted in episodes: until a hundred of them first average at most twice the cost of the
 best one, and to convergence by the paper's criterion."""
+
+BLOCK = 100
+"""Episodes over which the return is averaged for the first success."""
 
 _COUNTS = {"first success": "first_success", "convergence": "episodes"}
 _ROW = ("map", "tool", "reward", "horizon", "beta", "runs", "converged", *_COUNTS.values())
 
 
 @dataclass(frozen=True, eq=False)
-class Agent:
+class AgentRuns:
     """The runs of one agent: a row of Table I or II, by one learner on one map.
 
     Attributes:
         map, tool: where it acts.
         reward: "none", "FOE" or "TOE".
         horizon, beta: of that reward.
-        counts: float64[runs] by `MEASURES`, episodes until each run came so far; infinite for one
-            that did not.
+        counts: float64[runs] by `MEASURES`, the episodes that each run took; infinite for one that
+            exceeded its budget.
         had: float64[runs], episodes that each run had in all.
     """
 
@@ -64,11 +67,11 @@ class Agent:
         return len(self.had)
 
     def came(self, measure: str = "convergence") -> int:
-        """How many runs came so far."""
+        """How many runs stayed within their budget."""
         return int(np.isfinite(self.counts[measure]).sum())
 
     def budgeted(self, measure: str = "convergence") -> Float[np.ndarray, "runs"]:
-        """Episodes until each run came so far; for one that did not, those it had."""
+        """The episodes that each run took; for one that exceeded its budget, those it had."""
         counts = self.counts[measure]
         return np.where(np.isfinite(counts), counts, self.had)
 
@@ -87,9 +90,9 @@ class Learner:
     name: str
     source: str
     maps: Mapping[str, str]
-    agents: tuple[Agent, ...]
+    agents: tuple[AgentRuns, ...]
 
-    def agent(self, experiment: Experiment, row: Row) -> Agent | None:
+    def agent(self, experiment: Experiment, row: Row) -> AgentRuns | None:
         """The agent of a row of the tables, if it was trained.
 
         Its horizon and weight may be other ones, where the learner's grid has only nearby ones.
@@ -124,8 +127,8 @@ class Pace:
         ensemble: the pairs' agents.
         thirty: the best pair's agents, with more runs.
         compared: other learners.
-        after: what was decided after agents with a bonus had been seen, a sentence each.
-        missing: names of files that are not there.
+        after: decisions made after agents with a bonus had been seen, a sentence each.
+        missing: names of missing files.
     """
 
     screened: pl.DataFrame | None
@@ -148,6 +151,21 @@ class Pace:
         return self.ensemble + self.compared
 
 
+def first_success(curve: Float[np.ndarray, "blocks"], best_return: float) -> float:
+    """Episodes until a learning curve first costs at most twice the best return; else infinite.
+
+    Args:
+        curve: the mean return over each `BLOCK` episodes.
+        best_return: of a shortest plan; negative, as all returns.
+
+    Example:
+        >>> first_success(np.array([-90.0, -28.5, -28.0, -40.0]), -14.0)
+        300.0
+    """
+    reached = np.flatnonzero(curve >= 2 * best_return)
+    return float(BLOCK * (reached[0] + 1)) if len(reached) else np.inf
+
+
 def load_pace(folder: Path = FOLDER) -> Pace:
     """Reads what is checked in.
 
@@ -155,7 +173,7 @@ def load_pace(folder: Path = FOLDER) -> Pace:
         folder: where the files are.
 
     Raises:
-        ValueError: a file is not what it should be; says which, and where.
+        ValueError: a file is damaged; the message names it and the place.
 
     Example:
         >>> pace = load_pace(Path("nowhere"))
@@ -228,7 +246,7 @@ def _read(path: Path, columns: Sequence[str]) -> pl.DataFrame:
     return frame
 
 
-def _agent(path: Path, learner: str, row: Mapping[str, Any]) -> Agent:
+def _agent(path: Path, learner: str, row: Mapping[str, Any]) -> AgentRuns:
     where = f"{path}: {learner}, {row['map']}, {row['tool']}, {row['reward']}"
     if row["reward"] not in REWARDS.values():
         raise ValueError(f"{where}: no such reward; use one of {', '.join(REWARDS.values())}")
@@ -245,7 +263,7 @@ def _agent(path: Path, learner: str, row: Mapping[str, Any]) -> Agent:
         raise ValueError(
             f"{where}: a run that did not converge has no count in 'had'; give the episodes it had"
         )
-    return Agent(
+    return AgentRuns(
         *(row["map"], row["tool"], row["reward"], int(row["horizon"]), float(row["beta"])),
         *(counts, had),
     )

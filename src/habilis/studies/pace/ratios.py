@@ -7,9 +7,9 @@ import numpy as np
 import polars as pl
 from jaxtyping import Float
 
-from habilis.learning.intervals import joint_interval
-from habilis.studies.comparison import Outcome, Verdict, verdict_of, verdict_over
-from habilis.studies.pace.data import Agent, Learner
+from habilis.statistics import joint_interval
+from habilis.studies.comparison import Comparison, Outcome, compare, compare_within
+from habilis.studies.pace.data import AgentRuns, Learner
 from habilis.studies.paper.published import EXPERIMENTS, Experiment, Row
 
 
@@ -19,14 +19,14 @@ class Ratio:
 
     Attributes:
         middle: the geometric mean over the learners of the ratio of mean episodes.
-        low, high: the ends of its 95 % bootstrap interval, each agent's runs drawn anew by
+        low, high: the ends of its 95 % bootstrap interval, each agent's runs resampled by
             themselves within each learner.
         learners: how many there are.
         converged, runs: of the first agent's, over all learners.
         vanilla_converged, vanilla_runs: of the second's.
-        verdict: of the statement that the first agent is the sooner one, by ranks within each
-            learner. A ratio of means cannot decide where runs did not converge: the episodes they
-            had are few where each of them is long.
+        ranks: whether the first agent is the sooner one, by ranks within each learner. A ratio of
+            means cannot decide where runs did not converge: a run of long episodes completes few
+            of them within its budget.
     """
 
     middle: float
@@ -37,20 +37,20 @@ class Ratio:
     runs: int
     vanilla_converged: int
     vanilla_runs: int
-    verdict: Verdict
+    ranks: Comparison
 
     @property
     def outcome(self) -> Outcome:
-        return self.verdict.outcome
+        return self.ranks.outcome
 
     @property
-    def is_what(self) -> str:
-        """What the ratio is, as some means are lower bounds (see `bound`)."""
+    def kind(self) -> str:
+        """The meaning of the ratio, since some means are lower bounds (see `bound`)."""
         return bound(self.converged == self.runs, self.vanilla_converged == self.vanilla_runs)
 
 
 def bound(complete: bool, vanilla_complete: bool) -> str:
-    """What a ratio of mean episodes is, by whether all runs of each side converged.
+    """The meaning of a ratio of mean episodes, by whether all runs of each side converged.
 
     Example:
         >>> [bound(True, True), bound(False, True), bound(True, False), bound(False, False)]
@@ -70,8 +70,8 @@ def ratio_over(
 ) -> Ratio | None:
     """The episodes of one row over those of another, over all learners that have both.
 
-    A run that did not get there counts with the episodes that it had in the ratio, and is later
-    than all that did in the verdict.
+    In the ratio, a run that exceeded its budget counts with the episodes that it had; in the
+    verdict, it is later than all others.
 
     Args:
         learners: such as the ensemble's.
@@ -95,7 +95,7 @@ def ratio_over(
         learners=len(pairs),
         **_came([a for a, _ in pairs], measure, ""),
         **_came([b for _, b in pairs], measure, "vanilla_"),
-        verdict=verdict_over([(a.counts[measure], b.counts[measure]) for a, b in pairs]),
+        ranks=compare_within([(a.counts[measure], b.counts[measure]) for a, b in pairs]),
     )
 
 
@@ -126,21 +126,21 @@ def one_by_one(learners: Sequence[Learner]) -> pl.DataFrame:
     return pl.DataFrame(rows, schema=kinds | {"ratio": pl.Float64, "outcome": pl.String})
 
 
-def _against(agent: Agent, vanilla: Agent | None) -> dict[str, object]:
+def _against(agent: AgentRuns, vanilla: AgentRuns | None) -> dict[str, object]:
     if vanilla is None:
         return {"ratio": None, "outcome": None}
     sides = (one.counts["convergence"] for one in (agent, vanilla))
     ratio = float(agent.budgeted().mean() / vanilla.budgeted().mean())
-    return {"ratio": ratio, "outcome": verdict_of(*sides).outcome.value}
+    return {"ratio": ratio, "outcome": compare(*sides).outcome.value}
 
 
 def _geometric_mean_ratio(samples: list[np.ndarray]) -> Float[np.ndarray, "*draws"]:
     """Of samples that alternate between numerators and denominators, runs first."""
     means = np.stack([np.mean(sample, axis=0) for sample in samples])
-    return np.exp(np.mean(np.log(means[::2]) - np.log(means[1::2]), axis=0))
+    return np.asarray(np.exp(np.mean(np.log(means[::2]) - np.log(means[1::2]), axis=0)))
 
 
-def _came(agents: Sequence[Agent], measure: str, prefix: str) -> dict[str, int]:
+def _came(agents: Sequence[AgentRuns], measure: str, prefix: str) -> dict[str, int]:
     return {
         f"{prefix}converged": sum(agent.came(measure) for agent in agents),
         f"{prefix}runs": sum(agent.runs for agent in agents),

@@ -13,23 +13,22 @@ from dataclasses import dataclass
 import numpy as np
 import polars as pl
 from jaxtyping import Float
-from scipy.stats import rankdata
 
+from habilis.statistics import spearman
 from habilis.studies.comparison import Outcome
-from habilis.studies.pace.data import MEASURES, Agent, Learner
+from habilis.studies.pace.data import MEASURES, AgentRuns, Learner
 from habilis.studies.paper.published import EXPERIMENTS, Experiment, Row
 
 _REPEATS = 2000
 _FEWEST = 4  # learners over which a correlation says something
 
 WAYS = ("ratio", "order")
-"""What is compared with what. "ratio": mean vanilla episodes with the ratio of means, a run that
-did not get there counting with the episodes it had. "order": the vanilla median with how often
-the vanilla agent comes first, a run that exceeded its budget being later than all others. Where
-there are such runs, the order is right, and the ratio is not: their episodes are few where each is
-long."""
+"""The two comparisons. "ratio": mean vanilla episodes with the ratio of means, in which a run that
+exceeded its budget counts with the episodes it had. "order": the vanilla median with how often the
+vanilla agent comes first, where such a run is later than all others. Where there are such runs,
+trust the order: their episodes are few where each of them is long."""
 
-Sides = tuple[Agent, Agent]
+Sides = tuple[AgentRuns, AgentRuns]
 """A regularised agent, and the vanilla one of the same learner, map and tool."""
 
 
@@ -42,7 +41,7 @@ class Association:
         by: one of `WAYS`.
         middle: Spearman's rank correlation over the learners, averaged over the rows and over
             random halves of the vanilla runs.
-        low, high: the ends of its 95 % bootstrap interval, learners drawn anew.
+        low, high: the ends of its 95 % bootstrap interval, learners resampled.
         learners: how many there are.
         below, marks: how many of the ratios are below 1, of how many.
     """
@@ -76,12 +75,12 @@ def regularised_rows() -> list[tuple[Experiment, Row, Row]]:
 
 
 def marks(learners: Sequence[Learner]) -> pl.DataFrame:
-    """What the picture shows: a row for each learner, row of the tables, and measure.
+    """The marks of the figure: a row for each learner, row of the tables, and measure.
 
     Returns:
         "learner", "source", "row", "measure", "vanilla" (mean episodes), "ratio" (mean episodes
-        regularised over vanilla, runs that did not get there counting with their budget), and
-        whether it is "complete" (all runs of both came so far).
+        regularised over vanilla, in which runs that exceeded their budget count with the episodes
+        they had), and whether it is "complete" (no run of either exceeded its budget).
     """
     rows = [
         {"learner": learner.name, "source": learner.source, "row": row.label, "measure": measure}
@@ -111,7 +110,7 @@ def association(
         learners: of all kinds together; those without all rows are left out.
         measure: one of `data.MEASURES`.
         by: one of `WAYS`.
-        repeats: how often runs are split, and learners drawn anew.
+        repeats: how often runs are split, and learners resampled.
         seed: of both.
 
     Returns:
@@ -130,8 +129,8 @@ def association(
     for at, row in enumerate(rows):
         halves = [_halves(_sides(one, *row)[0], measure, by, repeats, random) for one in whole]
         slowness, ratio = (np.stack(part, axis=1) for part in zip(*halves, strict=True))
-        once[at] = _spearman(slowness, ratio)
-        anew[at] = _spearman(*(np.take_along_axis(x, drawn, axis=1) for x in (slowness, ratio)))
+        once[at] = spearman(slowness, ratio)
+        anew[at] = spearman(*(np.take_along_axis(x, drawn, axis=1) for x in (slowness, ratio)))
     ratios = marks(whole).filter(measure=measure)["ratio"]
     low, high = np.quantile(anew.mean(axis=0), [0.025, 0.975])
     return Association(
@@ -163,18 +162,8 @@ def _halves(
     return np.median(one, axis=1), later.mean(axis=(1, 2))
 
 
-def _spearman(
-    x: Float[np.ndarray, "repeats n"], y: Float[np.ndarray, "repeats n"]
-) -> Float[np.ndarray, "repeats"]:
-    """Rank correlations, one a line; 0 where all values of one side are the same."""
-    a, b = (rankdata(part, axis=1) for part in (x, y))
-    a, b = (part - part.mean(axis=1, keepdims=True) for part in (a, b))
-    scale = np.sqrt((a**2).sum(axis=1) * (b**2).sum(axis=1))
-    return np.divide((a * b).sum(axis=1), scale, out=np.zeros(len(x)), where=scale > 0)
-
-
 def sentence(found: Association) -> str:
-    """What the picture says of the hypothesis, by one measure."""
+    """The verdict on the hypothesis by one measure, as a sentence."""
     words = {
         Outcome.HOLDS: "the hypothesis holds",
         Outcome.UNDECIDED: "the hypothesis is undecided",

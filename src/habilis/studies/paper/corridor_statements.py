@@ -1,6 +1,6 @@
-"""What the paper states about its rules and its first world, recomputed.
+"""The paper's statements about its rules and its first world, recomputed.
 
-Each function tests one statement, puts what was found into words, and says whether it holds.
+Each function tests one statement: whether it holds, and the finding in words.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What the runs of a configuration do from episode to episode, and on average over them."""
+"""Curves of runs over episodes, and their means."""
 
 import numpy as np
 import polars as pl

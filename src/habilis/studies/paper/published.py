@@ -1,4 +1,4 @@
-"""What the paper prints: Rasheed, Polani and Catenacci Volpi (ICDL 2023)."""
+"""The tables as the paper prints them: Rasheed, Polani and Catenacci Volpi (ICDL 2023)."""
 
 from dataclasses import dataclass
 

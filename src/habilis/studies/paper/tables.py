@@ -7,26 +7,27 @@ from typing import Any
 
 import numpy as np
 import polars as pl
-from scipy.stats import ttest_ind, ttest_ind_from_stats
 
 from habilis.learning.runs import Run
 from habilis.studies.comparison import Outcome, outcome_of, verdict_of
 from habilis.studies.pace.data import Learner, Pace
 from habilis.studies.pace.ratios import Ratio, bound, ratio_over
 from habilis.studies.paper.published import RUNS, Experiment, Row
+from habilis.statistics import welch, welch_of_moments
+from habilis.studies.comparison import Comparison, Outcome, compare
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
     """A row of a table, as it came out.
 
-    A run that was given up counts with the episodes that it had had by then, less than it would
+    A run that exceeds its budget counts with the episodes that it completed, fewer than it would
     have needed: the mean is then a lower bound.
 
     Attributes:
         row: the paper's.
         run: ours.
-        counts: float64[runs], episodes to convergence, or until the run was given up.
+        counts: float64[runs], episodes to convergence, or those that the budget allowed.
     """
 
     row: Row
@@ -58,12 +59,12 @@ class Result:
 
     @property
     def median(self) -> float:
-        """Of the runs, those given up above all others: infinite if half of them were."""
+        """Over the runs: infinite if half of them exceeded their budget."""
         return float(np.median(self.ranked))
 
     @property
     def ranked(self) -> np.ndarray:
-        """float64[runs], episodes to convergence, infinite for a run that was given up."""
+        """float64[runs], episodes to convergence, infinite for a run that exceeded its budget."""
         at = self.run.converged_at
         return np.array([np.inf if n is None else n for n in at], float)
 
@@ -78,21 +79,20 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Two rows of a table held against each other.
+class RowOrder:
+    """The order of two rows of a table, published and ours.
 
     Attributes:
         faster, slower: labels of the row that is the faster and the slower one in the paper.
         published_ratio, ours_ratio: episodes of the first over episodes of the second.
         published_p: two-sided p-value of Welch's unequal-variances t-test, of the published means
             and deviations.
-        ours_p: of the same test on our runs. It does not decide, and says nothing where not all
+        ours_p: of the same test on our runs. It does not decide, and is meaningless where not all
             runs converged.
-        complete: whether all our runs converged. If not, means are lower bounds, and the ratio
-            says nothing.
-        superiority: how often a run of the first row comes before one of the second.
-        rank_p: two-sided p-value of Mann and Whitney's test, which decides: for ranks it is enough
-            to know that a run that was given up would have taken longer.
+        complete: whether all our runs converged. If not, means are lower bounds, and the ratio is
+            meaningless.
+        ranks: our runs compared by ranks, which decides: for ranks it is enough to know that a run
+            that exceeded its budget would have taken longer.
     """
 
     faster: str
@@ -102,13 +102,12 @@ class Comparison:
     published_p: float
     ours_p: float
     complete: bool
-    superiority: float
-    rank_p: float
+    ranks: Comparison
 
     @property
     def outcome(self) -> Outcome:
         """Whether our runs show the paper's order, the opposite one, or neither."""
-        return outcome_of(self.superiority, self.rank_p)
+        return self.ranks.outcome
 
     @property
     def verdict(self) -> str:
@@ -118,51 +117,40 @@ class Comparison:
             Outcome.OPPOSITE: "the opposite order",
             Outcome.UNDECIDED: "undecided: not separated",
         }
-        return f"{words[self.outcome]} (p = {self.rank_p:.2g})"
+        return f"{words[self.outcome]} (p = {self.ranks.p:.2g})"
+
+    def as_dict(self) -> dict[str, Any]:
+        """As plain values."""
+        own = {name: value for name, value in vars(self).items() if name != "ranks"}
+        ranks = {"superiority": self.ranks.superiority, "rank_p": self.ranks.p}
+        return own | ranks | {"outcome": self.outcome, "verdict": self.verdict}
 
 
-def comparisons(experiment: Experiment, results: Sequence[Result]) -> list[Comparison]:
+def row_orders(experiment: Experiment, results: Sequence[Result]) -> list[RowOrder]:
     """Every pair of rows, the paper's faster one first."""
     by_label = {result.row.label: result for result in results}
     rows = sorted(experiment.rows, key=lambda row: row.mean)
     pairs = [(fast, slow) for i, fast in enumerate(rows) for slow in rows[i + 1 :]]
-    return [_compare(by_label[fast.label], by_label[slow.label]) for fast, slow in pairs]
+    return [_order(by_label[fast.label], by_label[slow.label]) for fast, slow in pairs]
 
 
-def _compare(fast: Result, slow: Result) -> Comparison:
-    published = ttest_ind_from_stats(
-        *(fast.row.mean, fast.row.deviation, RUNS),
-        *(slow.row.mean, slow.row.deviation, RUNS),
-        equal_var=False,
-    )
-    found = verdict_of(fast.ranked, slow.ranked)
-    return Comparison(
+def _order(fast: Result, slow: Result) -> RowOrder:
+    return RowOrder(
         faster=fast.row.label,
         slower=slow.row.label,
         published_ratio=fast.row.mean / slow.row.mean,
         ours_ratio=fast.ratio(slow),
-        published_p=float(published.pvalue),
+        published_p=welch_of_moments(
+            (fast.row.mean, fast.row.deviation, RUNS), (slow.row.mean, slow.row.deviation, RUNS)
+        ),
         ours_p=welch(fast.counts, slow.counts),
         complete=fast.all_converged and slow.all_converged,
-        superiority=found.superiority,
-        rank_p=found.p,
+        ranks=compare(fast.ranked, slow.ranked),
     )
 
 
-def welch(a: np.ndarray, b: np.ndarray) -> float:
-    """The two-sided p-value of Welch's t-test.
-
-    1 where the test is not defined, which is with a single run, or with samples that do not
-    vary: then there is no noise to compare with.
-    """
-    if min(len(a), len(b)) < 2 or np.ptp(a) == 0 or np.ptp(b) == 0:
-        return 1.0
-    test = ttest_ind(a, b, equal_var=False)
-    return float(test.pvalue)  # pyright: ignore[reportAttributeAccessIssue]
-
-
 def _ratio_is(result: Result, base: Result) -> str:
-    """What the ratio of two means is where one of them, or both, are lower bounds."""
+    """The meaning of the ratio of two means, of which either may be a lower bound."""
     return "exact" if result is base else bound(result.all_converged, base.all_converged)
 
 
@@ -171,8 +159,8 @@ def table(
 ) -> pl.DataFrame:
     """A row for each of the paper's, with ours beside it; ratios are to the vanilla row.
 
-    There is no median where half of the runs or more were given up. Outcomes are of the statement
-    that a row with a bonus comes before the vanilla one.
+    The median is null where half of the runs or more exceeded their budget. Outcomes are of the
+    statement that a row with a bonus comes before the vanilla one.
 
     Args:
         experiment: which table.
@@ -198,7 +186,7 @@ def table(
                 "runs": len(result.counts),
                 "mean_is_lower_bound": not result.all_converged,
                 "ratio_is": _ratio_is(result, base),
-                "outcome": None if row.vanilla else _compare(result, base).outcome.value,
+                "outcome": None if row.vanilla else _order(result, base).outcome.value,
             }
             | _thirty(None if pace is None else pace.thirty, experiment, row, base.row)
             | _ensemble(() if pace is None else pace.ensemble, experiment, row, base.row)
@@ -242,7 +230,7 @@ def _thirty(
     found["thirty_ratio"] = float(had.mean() / base.budgeted().mean())
     if row != vanilla:
         sides = (one.counts["convergence"] for one in (agent, base))
-        found["thirty_outcome"] = verdict_of(*sides).outcome.value
+        found["thirty_outcome"] = compare(*sides).outcome.value
     return found
 
 
@@ -258,13 +246,13 @@ def _ensemble(
         "ensemble_ratio": found.middle,
         "ensemble_low": found.low,
         "ensemble_high": found.high,
-        "ensemble_ratio_is": found.is_what,
+        "ensemble_ratio_is": found.kind,
         "ensemble_pairs": found.learners,
         "ensemble_converged": found.converged,
         "ensemble_runs": found.runs,
         "ensemble_vanilla_converged": found.vanilla_converged,
         "ensemble_vanilla_runs": found.vanilla_runs,
-        "ensemble_superiority": found.verdict.superiority,
-        "ensemble_p": found.verdict.p,
+        "ensemble_superiority": found.ranks.superiority,
+        "ensemble_p": found.ranks.p,
         "ensemble_outcome": found.outcome.value,
     }

@@ -1,4 +1,4 @@
-"""Target numbers: what is said of a map, as data that a file can hold."""
+"""Target numbers of a map: what the paper states about it, as data in a file."""
 
 import re
 import tomllib
@@ -43,7 +43,7 @@ class Target:
         kind: "steps" and "return" of a shortest plan; "apart", the Manhattan distance of the tool
             to the agent, or to what `of` names, at the start; "average" empowerment; or a
             "landscape", of which `statistic` over some cells is meant.
-        text: what it is, in words.
+        text: its meaning, in words.
         section: where it is stated.
         tool: the tool that takes the place of the map's own; "" for that.
         of: "agent" or "object": whose distance to the tool is meant.
@@ -118,7 +118,7 @@ class TargetMap:
         height, width: of the map.
         tool: the map's own tool.
         walls: about how many cells are walls where a search begins.
-        numbers: what it has to meet.
+        numbers: the targets that it has to meet.
         source: the list's own name.
         reading: of the rules by which its tools move.
         over: the states over which averages go, one of `worlds.OVER`.
@@ -148,7 +148,7 @@ def load_targets(name: str | Path) -> TargetMap:
 
     Raises:
         ValueError: no such list, or one that cannot be read; the message names the entry and the
-            mend.
+            fix.
 
     Example:
         >>> load_targets("corridor").numbers[0].value
@@ -242,7 +242,7 @@ def _stated(place: str, entry: dict[str, Any], head: dict[str, Any]) -> Target:
     known = (*_COMMON, *KINDS[kind])
     for word, value in entry.items():
         if word not in known:
-            raise ValueError(f"{place}: {word!r} says nothing of {kind}; use {', '.join(known)}")
+            raise ValueError(f"{place}: {word!r} does not apply to {kind}; use {', '.join(known)}")
         if word in _CHOICES:
             _check_choice(place, word, value)
         elif _bad(_TYPES[word], value):

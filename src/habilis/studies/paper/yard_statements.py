@@ -1,6 +1,6 @@
-"""What the paper states about its second world and the two tools, recomputed.
+"""The paper's statements about its second world and the two tools, recomputed.
 
-Each function tests one statement, puts what was found into words, and says whether it holds.
+Each function tests one statement: whether it holds, and the finding in words.
 """
 
 from collections.abc import Callable

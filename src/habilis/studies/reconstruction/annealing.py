@@ -11,7 +11,7 @@ from habilis.studies.reconstruction.moves import neighbour, random_map
 from habilis.worlds.world import World
 
 Show = Callable[[int, float], None]
-"""Told how many changes were tried, and the lowest energy so far."""
+"""Called with the number of changes tried, and the lowest energy so far."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +45,10 @@ def anneal(
     A change that raises the energy by d is taken with probability exp(-d / temperature).
 
     Args:
-        targets: what the map has to meet.
+        targets: the numbers that the map has to meet.
         random: the source of all random numbers.
         schedule: how long to go on, and how to cool.
-        show: told how it goes.
+        show: called with the progress.
         begin: the map to begin with; by default one at random.
         wanted: whether a map that meets everything is one to stop at.
 

@@ -9,7 +9,7 @@ from habilis.studies.paper.targets import Target
 from habilis.studies.paper.worlds import OVER, CachedWorld
 from habilis.worlds.world import NO_TOOL, World
 
-_FAR = 1000.0  # in tolerances: a number that is not there at all
+_FAR = 1000.0  # in tolerances: a number that is undefined in a map
 _COST = {"apart": 0, "steps": 1, "return": 1, "landscape": 2, "average": 3}
 _THINGS = ("agent", "object", "goal", "tool_cell")
 
@@ -48,7 +48,7 @@ def weigh(
 
     Args:
         world: the map.
-        numbers: what it has to meet.
+        numbers: the targets that it has to meet.
         limit: the largest energy that is of interest.
         before: another map; what cannot have changed from it is not computed again.
         over: the states over which averages go, for the other map, too.

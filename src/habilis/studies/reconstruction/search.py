@@ -44,12 +44,12 @@ def attempts(
     """One attempt after another, without end; the same for the same arguments.
 
     Args:
-        targets: what maps have to meet.
+        targets: the numbers that maps have to meet.
         seed: of the randomness.
         known: maps from which those found must differ.
         begin: the map to begin with each time; by default one at random.
         schedule: how long an attempt goes on, by default 2000 changes.
-        report: told in words how it goes.
+        report: called with the progress, in words.
         first: the number of the attempt to begin with; each is seeded for itself.
     """
     schedule = schedule or Schedule()

@@ -1,4 +1,4 @@
-"""What maps look like, and how different two maps are."""
+"""The shapes of maps, and the difference of two maps."""
 
 from collections.abc import Iterable
 

@@ -59,7 +59,7 @@ _BESIDE = """\
 
 
 def figure_1() -> Figure:
-    """What tool actions and moves do: a start state, and the state after each action."""
+    """The effects of moves and tool actions: a start state, and the state after each action."""
     rows = {
         "picker,\ncan beside it": _BESIDE.format(tool="P"),
         "picker,\ncan attached": _IN_LINE.format(tool="P"),

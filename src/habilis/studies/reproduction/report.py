@@ -15,8 +15,8 @@ from habilis.studies.pace.slowness import sentence
 from habilis.studies.page import inlined, render
 from habilis.studies.paper.published import EXPERIMENTS, Experiment
 from habilis.studies.paper.settings import learner_settings
-from habilis.studies.paper.tables import Result, comparisons, table
-from habilis.studies.reproduction.outcome import Reproduction
+from habilis.studies.paper.tables import Result, row_orders, table
+from habilis.studies.reproduction.result import Reproduction
 
 
 def write_report(reproduction: Reproduction, folder: Path) -> None:
@@ -40,13 +40,13 @@ def write_report(reproduction: Reproduction, folder: Path) -> None:
 
 def _section(experiment: Experiment, results: Sequence[Result], pace: Pace) -> dict[str, Any]:
     """One of the tables, and its pairs of rows."""
-    compared = comparisons(experiment, results)
+    orders = row_orders(experiment, results)
     return {
         "experiment": experiment,
         "rows": table(experiment, results, pace).to_dicts(),
         "world": results[0].map,
-        "comparisons": compared,
-        "verdicts": in_words(tally(c.outcome for c in compared)),
+        "orders": orders,
+        "verdicts": in_words(tally(c.outcome for c in orders)),
     }
 
 
@@ -60,14 +60,14 @@ def _sources(pace: Pace) -> dict[str, list[str]]:
 
 @dataclass(frozen=True)
 class Method:
-    """What the method section lists.
+    """The content of the method section.
 
     Attributes:
-        screened, confirmed: what these stages were, in a sentence; `None` while they are missing.
+        screened, confirmed: these stages, in a phrase; `None` while they are missing.
         pairs: the frozen pairs: number, setting, maps, and the learner's fields in words.
         maps: of the best pair's setting, each vanilla row on every map it was confirmed on.
-        after: what was decided after agents with a bonus had been seen.
-        missing: what is not there, a phrase each.
+        after: decisions made after agents with a bonus had been seen.
+        missing: the files that are missing, a phrase each.
     """
 
     screened: str | None

@@ -17,15 +17,15 @@ from habilis.learning.display import progress_bars
 from habilis.learning.train import train
 from habilis.studies.pace.data import load_pace
 from habilis.studies.pace.slowness import marks
-from habilis.studies.paper.agent_claims import learned_claims
+from habilis.studies.paper.agent_statements import agent_statements
 from habilis.studies.paper.numbers import published_numbers, published_statements
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.settings import FULL, QUICK, row_config
 from habilis.studies.paper.tables import Result, table
 from habilis.studies.reproduction import figures
 from habilis.studies.reproduction.figures import slowness_figure
-from habilis.studies.reproduction.outcome import Reproduction
 from habilis.studies.reproduction.report import write_report
+from habilis.studies.reproduction.result import Reproduction
 from habilis.worlds.pictures.figures import save_figure, save_picture
 from habilis.worlds.world import load_world
 
@@ -73,7 +73,7 @@ def reproduce(
         folder=out,
         numbers=numbers,
         relations=relations,
-        learned=learned_claims(results, pace.ensemble),
+        learned=agent_statements(results, pace.ensemble),
         results=results,
         pace=pace,
         budget=budget,

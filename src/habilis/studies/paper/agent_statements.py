@@ -1,7 +1,6 @@
-"""What the paper states about its learning agents, held against ours."""
+"""The paper's statements about its learning agents, and the verdicts of our runs on them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -9,9 +8,10 @@ from jaxtyping import Float
 from habilis.studies.comparison import Outcome, verdict_of
 from habilis.studies.pace.data import Learner
 from habilis.studies.pace.ratios import Ratio, ratio_over
-from habilis.studies.paper.curves import Curves, attached_share, equipped_share
+from habilis.studies.paper.findings import AgentStatement
 from habilis.studies.paper.published import EXPERIMENTS, Experiment
-from habilis.studies.paper.tables import Comparison, Result, comparisons
+from habilis.studies.paper.tables import Result, RowOrder, row_orders
+from habilis.studies.comparison import compare
 
 EARLY = 1_000
 """The "initial stage of learning" over which shares of Figure 2 are compared, in episodes."""
@@ -31,27 +31,7 @@ Results = Mapping[str, Sequence[Result]]
 """By the name of the experiment."""
 
 
-@dataclass(frozen=True)
-class Claim:
-    """What the paper states about its learning agents, and what our runs say of it.
-
-    Attributes:
-        section: where the paper makes it.
-        text: the statement, in our words.
-        outcome: whether it holds here, is undecided, or comes out the other way round.
-        found: with figures.
-        ensemble: the outcome over an ensemble of learners and maps, for orders of rows; `None`
-            without one.
-    """
-
-    section: str
-    text: str
-    outcome: Outcome
-    found: str
-    ensemble: Outcome | None = None
-
-
-def learned_claims(results: Results, ensemble: Sequence[Learner] = ()) -> list[Claim]:
+def agent_statements(results: Results, ensemble: Sequence[Learner] = ()) -> list[AgentStatement]:
     """The stated orders of the tables' rows, and what Figure 2 is said to show.
 
     Args:
@@ -59,7 +39,7 @@ def learned_claims(results: Results, ensemble: Sequence[Learner] = ()) -> list[C
         ensemble: other learners, by which the orders are looked at too.
     """
     orders = [
-        Claim(
+        AgentStatement(
             "IV-B.1" if experiment.name == "table1" else "IV-C.1",
             f"{experiment.title}: “{c.faster}” converges before “{c.slower}”",
             c.outcome,
@@ -69,14 +49,14 @@ def learned_claims(results: Results, ensemble: Sequence[Learner] = ()) -> list[C
             None if over is None else over.outcome,
         )
         for experiment in EXPERIMENTS
-        for c in comparisons(experiment, results[experiment.name])
+        for c in row_orders(experiment, results[experiment.name])
         if (c.faster, c.slower) in STATED
         for over in [_over(ensemble, experiment, c)]
     ]
     return orders + _figure_2(results["table1"])
 
 
-def _over(ensemble: Sequence[Learner], experiment: Experiment, order: Comparison) -> Ratio | None:
+def _over(ensemble: Sequence[Learner], experiment: Experiment, order: RowOrder) -> Ratio | None:
     rows = {row.label: row for row in experiment.rows}
     return ratio_over(ensemble, experiment, rows[order.faster], rows[order.slower])
 
@@ -88,7 +68,7 @@ def _in_words(ratio: Ratio | None) -> str:
     return f"; in the ensemble {interval}: {ratio.outcome.value}"
 
 
-def _figure_2(first: Sequence[Result]) -> list[Claim]:
+def _figure_2(first: Sequence[Result]) -> list[AgentStatement]:
     agents = {"none": "vanilla", "state": "FOE", "object": "TOE"}
     shares = {
         "with the picker equipped": {r.row.intrinsic: equipped_share(r.run) for r in first},
@@ -109,13 +89,13 @@ def _figure_2(first: Sequence[Result]) -> list[Claim]:
     ]
 
 
-def _above(text: str, more: Curves, less: Curves) -> Claim:
+def _above(text: str, more: Curves, less: Float[np.ndarray, "others fewer"]) -> AgentStatement:
     """Whether one agent's early share is above another's, by the ranks of the runs."""
     a, b = _early(more), _early(less)
-    verdict = verdict_of(-a, -b)
+    ranks = compare(-a, -b)
     episodes = min(EARLY, more.shape[1], less.shape[1])
     found = f"{a.mean():.1%} against {b.mean():.1%} over the first {episodes:,} episodes"
-    return Claim("IV-B.2", text, verdict.outcome, f"{found} (p = {verdict.p:.2g})")
+    return AgentStatement("IV-B.2", text, ranks.outcome, f"{found} (p = {ranks.p:.2g})")
 
 
 def _early(curves: Curves) -> Float[np.ndarray, "runs"]:

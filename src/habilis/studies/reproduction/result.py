@@ -1,4 +1,4 @@
-"""The results of a reproduction."""
+"""The result of a reproduction."""
 
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -9,12 +9,10 @@ from typing import Any
 from habilis.studies.comparison import in_words, tally
 from habilis.studies.pace.data import MEASURES, Pace
 from habilis.studies.pace.slowness import WAYS, Association, association
-from habilis.studies.paper.agent_claims import Claim
-from habilis.studies.paper.findings import Statement
-from habilis.studies.paper.numbers import Number
+from habilis.studies.paper.findings import AgentStatement, Number, Statement
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.settings import learner_settings
-from habilis.studies.paper.tables import Result, comparisons, table
+from habilis.studies.paper.tables import Result, row_orders, table
 from habilis.worlds.world import World
 
 
@@ -37,7 +35,7 @@ class Reproduction:
     folder: Path
     numbers: list[Number]
     relations: list[Statement]
-    learned: list[Claim]
+    learned: list[AgentStatement]
     results: dict[str, list[Result]]
     pace: Pace
     budget: dict[str, Any]
@@ -118,8 +116,7 @@ class Reproduction:
                         for result in self.results[e.name]
                     },
                     "comparisons": [
-                        asdict(c) | {"outcome": c.outcome, "verdict": c.verdict}
-                        for c in comparisons(e, self.results[e.name])
+                        order.as_dict() for order in row_orders(e, self.results[e.name])
                     ],
                 }
                 for e in EXPERIMENTS

@@ -11,10 +11,10 @@ import polars as pl
 
 from habilis.empowerment.api import empowerment
 from habilis.learning.convergence import MARGIN
-from habilis.learning.intervals import (
-    bootstrap_interval,
-    interquartile_mean,
-    stratified_interval,
+from habilis.statistics import (
+    interquartile_interval,
+    pooled_interquartile_interval,
+    superiority_interval,
 )
 from habilis.studies.paper.settings import frozen_settings
 from habilis.worlds.plans import solve
@@ -28,20 +28,19 @@ from research.multiverse.settings import (
     SENSORS,
     SHAPINGS,
     WORLDS,
-    Agent,
+    Condition,
     paper_rows,
 )
 
 _INTERVAL = ("middle", "low", "high")
-_INFINITE = 1e30
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
-    """All that the second part says.
+class Multiverse:
+    """The data of the second part.
 
     Attributes:
-        runs: a row a run of every agent (`settings.Agent`), with what it came to.
+        runs: a row per run of every condition (`settings.Condition`), with its results.
         multiverse, maps: `claims.multiverse`, `claims.on_maps`.
         optima: for each world, tool, reward, horizon and beta the extrinsic return of the best
             policy for the regularised reward, and the best there is.
@@ -56,7 +55,7 @@ class Study:
     rows: pl.DataFrame
 
     @classmethod
-    def of(cls, runs: pl.DataFrame) -> "Study":
+    def of(cls, runs: pl.DataFrame) -> "Multiverse":
         return cls(
             runs=runs,
             multiverse=claims.multiverse(runs.filter(part="multiverse")),
@@ -66,8 +65,8 @@ class Study:
         )
 
     @classmethod
-    def read(cls, folder: Path) -> "Study":
-        """The data written by `report.write_study`; runs have no learning curves."""
+    def read(cls, folder: Path) -> "Multiverse":
+        """The data that `report.write_study` wrote; the runs without their learning curves."""
         names = ("runs", "multiverse", "maps", "optima", "rows")
         return cls(**{n: pl.read_csv(folder / f"{n}.csv", infer_schema_length=None) for n in names})
 
@@ -81,8 +80,8 @@ class Study:
         return pl.concat(found)
 
 
-def joined(agents: list[Agent], results: pl.DataFrame) -> pl.DataFrame:
-    """The results of a sweep over the agents, with the columns that identify an agent."""
+def joined(agents: list[Condition], results: pl.DataFrame) -> pl.DataFrame:
+    """The results of a sweep over conditions, with the columns that name each condition."""
     names = [{key: getattr(agent, key) for key in claims.KEYS} for agent in agents]
     keys = pl.DataFrame(names).with_row_index("point").cast({"point": pl.Int64})
     own = (
@@ -98,7 +97,7 @@ def joined(agents: list[Agent], results: pl.DataFrame) -> pl.DataFrame:
 
 
 def optima() -> pl.DataFrame:
-    """Optimal policies for the regularised rewards of the multiverse."""
+    """The optimal policies for the regularised rewards of the multiverse, exactly."""
     discount = frozen_settings()["discount"]
     found = []
     for world, tool, rewards in WORLDS:
@@ -137,8 +136,8 @@ def rows(runs: pl.DataFrame) -> pl.DataFrame:
         counts, bare = (claims.counts(side, "episodes") for side in (part, vanilla))
         told = claims.verdict(part, vanilla, "episodes")
         row |= {"converged": int(np.isfinite(counts).sum()), "runs": len(counts)}
-        row |= dict(zip(_INTERVAL, iqm(counts), strict=True))
-        low, high = _superiority(counts, bare)
+        row |= dict(zip(_INTERVAL, interquartile_interval(counts), strict=True))
+        low, high = superiority_interval(counts, bare)
         row |= {"superiority": told.superiority, "superiority_low": low, "superiority_high": high}
         found.append(row | {"p": told.p, "final_return": part["final_return"].median()})
     return pl.DataFrame(found, infer_schema_length=None)
@@ -149,7 +148,7 @@ def aggregate(runs: pl.DataFrame) -> pl.DataFrame:
 
     The score of a run is its episodes to first success (`claims.counts`) over the mean of the
     vanilla agent's in the same world with the same tool. Not those to convergence: these have no
-    mean if a run exceeded its budget.
+    mean where a run exceeded its budget.
 
     Returns:
         A row for "vanilla" and each way of giving TOE: the scores' IQM and its stratified interval.
@@ -168,25 +167,16 @@ def aggregate(runs: pl.DataFrame) -> pl.DataFrame:
                 toe = here.filter(reward="TOE", how=how, beta=beta)
                 mine = claims.counts(toe, "first success")
             tasks.append(mine / bare.mean())
-        row = {"agent": how} | dict(zip(_INTERVAL, pooled(tasks), strict=True))
-        found.append(row)
+        interval = pooled_interquartile_interval(tasks)
+        found.append({"agent": how} | dict(zip(_INTERVAL, interval, strict=True)))
     return pl.DataFrame(found, schema_overrides=dict.fromkeys(_INTERVAL, pl.Float64))
-
-
-def pooled(tasks: list[np.ndarray]) -> tuple[float | None, float | None, float | None]:
-    """The IQM of all scores and the ends of its stratified interval; null where infinite."""
-    if not all(np.isfinite(task).any() for task in tasks):
-        return None, None, None
-    middle = float(interquartile_mean(np.concatenate(tasks)))
-    low, high = stratified_interval([_large(task) for task in tasks])
-    return _finite(middle), _finite(low), _finite(high)
 
 
 def paper_curves(runs: pl.DataFrame) -> dict[str, dict[str, np.ndarray]]:
     """Learning curves of the paper's agents, by world and agent: float[runs, blocks].
 
     A run that has converged is carried on at its last value; the curves of an agent end where the
-    first of its runs over budget ends.
+    first of its runs exceeds its budget.
     """
     shaping = runs.filter(part="shaping", how="plain")
     betas = _paper_betas()
@@ -203,41 +193,11 @@ def paper_curves(runs: pl.DataFrame) -> dict[str, dict[str, np.ndarray]]:
 
 def _together(runs: pl.DataFrame) -> np.ndarray:
     curves = [curve.to_numpy() for curve in runs["curve"]]
-    given_up = [len(c) for c, at in zip(curves, runs["converged_at"], strict=True) if at is None]
-    length = min(given_up, default=max(map(len, curves)))
+    exceeded = [len(c) for c, at in zip(curves, runs["converged_at"], strict=True) if at is None]
+    length = min(exceeded, default=max(map(len, curves)))
     return np.stack([np.pad(c, (0, max(0, length - len(c))), mode="edge")[:length] for c in curves])
 
 
 def _paper_betas() -> dict[tuple[str, str, str], float]:
     """By world, tool and reward."""
     return {(world, tool, reward): beta for world, tool, reward, _, beta in paper_rows()}
-
-
-def iqm(counts: np.ndarray) -> tuple[float | None, float | None, float | None]:
-    """The interquartile mean of counts and the ends of its interval, null where infinite.
-
-    A run that exceeded its budget counts as infinite: it is among the upper quarter, or there is no
-    mean.
-    """
-    low, high = bootstrap_interval(_large(counts), interquartile_mean)
-    middle = float(interquartile_mean(counts))
-    return _finite(middle), _finite(float(low)), _finite(float(high))
-
-
-def _large(values: np.ndarray) -> np.ndarray:
-    """A number that stands for infinity, as quantiles cannot be taken between infinities."""
-    return np.where(np.isfinite(values), values, _INFINITE)
-
-
-def _finite(value: float) -> float | None:
-    return value if value < _INFINITE * 1e-6 else None
-
-
-def _superiority(counts: np.ndarray, bare: np.ndarray) -> tuple[float, float]:
-    """The interval of P(sooner than vanilla), runs of both resampled (rliable's improvement)."""
-    random = np.random.default_rng(0)
-    a = counts[random.integers(len(counts), size=(2000, len(counts)))]
-    b = bare[random.integers(len(bare), size=(2000, len(bare)))]
-    sooner = (a[:, :, None] < b[:, None]) + 0.5 * (a[:, :, None] == b[:, None])
-    low, high = np.quantile(sooner.mean(axis=(1, 2)), [0.025, 0.975])
-    return float(low), float(high)

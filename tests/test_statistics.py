@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from habilis.learning.intervals import (
+from habilis.statistics import (
     bootstrap_interval,
     interquartile_mean,
     mean,

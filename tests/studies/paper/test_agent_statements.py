@@ -4,9 +4,8 @@ import pytest
 
 from habilis.learning.config import Config
 from habilis.learning.runs import Run
-from habilis.studies.comparison import Outcome
-from habilis.studies.paper.agent_claims import learned_claims
 from habilis.studies.paper.curves import attached_share, equipped_share, mean_curve, returns
+from habilis.studies.paper.agent_statements import agent_statements
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.tables import Result
 from habilis.worlds.world import load_world
@@ -57,7 +56,7 @@ def relations(vanilla, foe, toe):
         e.name: [Result.of(row, r) for row, r in zip(e.rows, runs[e.name], strict=True)]
         for e in EXPERIMENTS
     }
-    return {relation.text: relation for relation in learned_claims(results)}
+    return {relation.text: relation for relation in agent_statements(results)}
 
 
 def test_the_stated_orders_and_all_of_figure_2_are_looked_at():
