@@ -42,7 +42,7 @@ GRID: dict[str, tuple] = {
     ),
     "gae_lambda": (1.0, 0.95),
 }
-"""What is tried: every combination.
+"""The grid: every combination.
 
 The file of results has those of earlier grids, too: a larger step size, and entropy that falls from
 the start, with which one vanilla run in sixty, or more, stayed on a plan too long."""
@@ -116,7 +116,7 @@ def run_stage(stage: str, budget: dict, settings: list[dict]) -> None:
 
 @dataclass(frozen=True)
 class Score:
-    """How a setting did in one stage.
+    """The result of a setting in one stage.
 
     Attributes:
         setting: the fields of the algorithm that the grid varies.

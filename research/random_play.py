@@ -1,4 +1,4 @@
-"""How far random play gets in each world of the second experiment, exactly.
+"""Random play in each world of the second experiment, exactly.
 
     python -m research.random_play        # writes research/results/random_play.csv
 
@@ -25,7 +25,7 @@ STEPS = 500
 
 
 def random_play(mdp: TabularMDP, steps: int = STEPS) -> tuple[float, float]:
-    """What uniformly random actions come to from the start of a deterministic world.
+    """The outcome of uniformly random actions from the start of a deterministic world.
 
     Returns:
         The probabilities that the goal is reached within so many steps, and that it can no longer

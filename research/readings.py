@@ -77,7 +77,7 @@ def attempt(task: dict[str, Any], changes: int) -> dict[str, Any]:
 
 
 def held(world: World, experiment: Experiment, stated: TargetMap) -> tuple[int, list[str]]:
-    """How many of the paper's statements hold in a map, and the names of those that do not."""
+    """The number of the paper's statements that hold in a map, and the names of the others."""
     worlds = {
         e.targets: CachedWorld(replace(load_world(e.world), reading=stated.reading), stated.over)
         for e in EXPERIMENTS

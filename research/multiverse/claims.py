@@ -11,7 +11,7 @@ from habilis.studies.comparison import Comparison, Outcome, compare
 from habilis.studies.pace.data import first_success
 
 MEASURES = ("episodes", "steps", "first success")
-"""What is counted: episodes to convergence, as in the paper; environment steps to convergence; or
+"""The measures: episodes to convergence, as in the paper; environment steps to convergence; or
 episodes until a hundred of them first average at most twice the cost of the best one."""
 
 KEYS = ("part", "learner", "map", "tool", "reward", "horizon", "beta", "how")

@@ -9,6 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
+from habilis.colours import COLOURS
 from habilis.statistics import bootstrap_interval, interquartile_mean
 from habilis.studies.axes import (
     LABEL_SIZE,
@@ -19,12 +20,12 @@ from habilis.studies.axes import (
 )
 from habilis.studies.comparison import Outcome
 
-HOLDS, UNDECIDED, OPPOSITE = "#0072b2", "#d9dde3", "#d55e00"  # Okabe and Ito
+HOLDS, UNDECIDED, OPPOSITE = COLOURS[0], "#d9dde3", COLOURS[1]
 _OUTCOMES = {Outcome.HOLDS: HOLDS, Outcome.UNDECIDED: UNDECIDED, Outcome.OPPOSITE: OPPOSITE}
 _SUPERIORITY = TwoSlopeNorm(0.5, 0, 1)
 _MAP = "RdBu"
 _FINE = (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)  # ticks of an axis that is less than a decade
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#5b6270", "#e69f00")
+_COLOURS = (*COLOURS[:4], "#5b6270", COLOURS[5])
 
 
 def shares_figure(parts: Mapping[str, pl.DataFrame]) -> Figure:
@@ -59,7 +60,7 @@ def shares_figure(parts: Mapping[str, pl.DataFrame]) -> Figure:
 
 
 def choices_figure(verdicts: pl.DataFrame, changed: pl.DataFrame, measure: str) -> Figure:
-    """How often the agent that should come first does, for every learner, horizon and beta.
+    """The probability that the supposedly faster agent finishes first, for every setting.
 
     A dot: the order is not chance (p < 0.05). A cross: with this horizon and beta the best policy
     for the regularised reward is no shortest plan, so that an agent that learns it cannot converge.
@@ -125,7 +126,7 @@ def explained_figure(explained: pl.DataFrame) -> Figure:
 
 
 def maps_figure(verdicts: pl.DataFrame, measure: str) -> Figure:
-    """How often the agent that should come first does, a dot for each map.
+    """The probability that the supposedly faster agent finishes first, a dot for each map.
 
     Args:
         verdicts: of `claims.on_maps`.

@@ -64,7 +64,7 @@ def write_page(study: Multiverse, folder: Path) -> None:
 
 
 def settings_count(study: Multiverse) -> int:
-    """How many settings the multiverse has: learner, horizon and beta."""
+    """The number of settings of the multiverse: learner, horizon and beta."""
     return study.multiverse.drop_nulls("beta").select("learner", "horizon", "beta").n_unique()
 
 

@@ -73,7 +73,7 @@ def nearest(value: float, grid: Sequence[float]) -> Any:
 
 
 def as_rows(everyone: Sequence[Condition], results: pl.DataFrame) -> pl.DataFrame:
-    """What a sweep over agents gave, a row an agent, as `data.load_compared` reads it."""
+    """The results of a sweep, a row per condition, as `load_pace` reads them."""
     rows = []
     for point, agent in enumerate(everyone):
         runs = results.filter(point=point).sort("run")

@@ -91,7 +91,7 @@ def _structure(random: np.random.Generator) -> Setting:
 
 
 def _numbers(structure: Setting, random: np.random.Generator) -> Setting:
-    """What may differ within a structure."""
+    """Hyperparameters that may differ within a structure."""
     falls = random.random() < 0.75
     entropy = _between(random, *((0.05, 0.5) if falls else (0.005, 0.06)))
     span = (1e6, 6e6) if structure["schedule"] == "steps" else (1e4, 6e4)

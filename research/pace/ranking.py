@@ -80,7 +80,7 @@ def best_pairs(order: Iterable[Ranked], count: int = PAIRS) -> list[Ranked]:
 
 
 def distance(line: Line, mean: float, deviation: float) -> float:
-    """How far a row's runs are from a published mean and deviation."""
+    """The distance of a row's runs from a published mean and deviation."""
     counts = budgeted(line)
     spread = max(float(counts.std(ddof=1)), _LEAST)
     of_means = math.log(counts.mean() / mean)

@@ -38,7 +38,7 @@ ELSEWHERE: Setting = CONFIRM | {"steps": 8_000_000}
 ENSEMBLE: Setting = {"runs": 10, "seed": 33_001, "episodes": 1_000_000, "steps": 15_000_000}
 THIRTY: Setting = {"runs": 30, "seed": 34_001, "episodes": 1_000_000, "steps": 15_000_000}
 GOES_ON = 0.5
-"""What share of its runs must converge in a row before the setting's next row is trained."""
+"""The share of runs that must converge in a row before the setting's next row is trained."""
 
 CORRIDOR, YARD = FIRST_WORLD, FAST_MAPS["table2"]
 """Not the second world of the statements, in which no agent learns: `research/README.md`."""

@@ -83,7 +83,7 @@ def test_a_claim_is_the_other_way_round_where_it_is_made_to_be():
     assert shares["picker before broom, vanilla (yard)"]["undecided"] == 1
 
 
-def test_a_run_that_was_given_up_comes_after_all_others():
+def test_a_run_that_exceeded_its_budget_comes_after_all_others():
     runs = joined(
         EVERYONE, results_of(EVERYONE, lambda agent: 5_000, lambda agent: agent.reward != "TOE")
     )
@@ -197,7 +197,7 @@ def test_claims_on_maps_have_the_same_direction(study):
     assert set(study.maps["map"]) == set(all_maps())
 
 
-def test_an_interval_is_open_where_too_many_runs_were_given_up():
+def test_an_interval_is_open_where_too_many_runs_exceeded_their_budget():
     ten = np.arange(1.0, 11.0)
     middle, low, high = interquartile_interval(ten)
     assert middle == 5.5
@@ -214,7 +214,7 @@ def test_an_interval_is_open_where_too_many_runs_were_given_up():
     assert interquartile_interval(ten)[0] is None
 
 
-def test_agents_that_never_come_so_far_are_not_the_sooner_ones():
+def test_agents_that_never_converge_are_not_the_sooner_ones():
     tasks = [np.array([1.0, 2.0, 3.0, 4.0]), np.full(4, np.inf)]
     assert pooled_interquartile_interval(tasks) == (None, None, None)
     middle, low, high = pooled_interquartile_interval([np.array([0.5, 0.5, 0.5, 0.5])] * 2)
@@ -248,7 +248,7 @@ def test_where_the_best_policy_is_lost_is_told_for_each_claim(study):
     assert changed.filter(claim="picker before broom, vanilla (yard)").is_empty()
 
 
-def test_curves_end_where_the_first_run_was_given_up():
+def test_curves_end_where_the_first_run_exceeded_its_budget():
     runs = joined(EVERYONE, results_of(EVERYONE, lambda agent: 1_000, lambda agent: False))
     lengths = {
         table.shape[1] for agents in paper_curves(runs).values() for table in agents.values()

@@ -39,7 +39,7 @@ def test_separated_runs_hold_or_are_opposite_and_others_are_undecided():
     assert compare(soon, soon).p == 1
 
 
-def test_a_run_that_did_not_come_so_far_is_later_than_all_that_did():
+def test_a_run_that_exceeded_its_budget_is_later_than_all_others():
     some = np.array([1.0, 2, 3, 4, 5, 6, 7, 8, 9, 10])
     found = compare(some, np.full(10, np.inf))
     assert (found.outcome, found.superiority) == (Outcome.HOLDS, 1)
@@ -48,14 +48,14 @@ def test_a_run_that_did_not_come_so_far_is_later_than_all_that_did():
 
 @pytest.mark.ill_typed
 def test_the_report_and_the_multiverse_say_the_same_of_the_same_runs():
-    """Every way in which ten runs may interleave with ten others, some given up, by both."""
+    """Ways in which ten runs may interleave with ten others, some infinite, by both."""
     random = np.random.default_rng(0)
     for _ in range(50):
-        shift, given_up = random.integers(0, 60), random.integers(0, 4)
+        shift, exceeded = random.integers(0, 60), random.integers(0, 4)
         sides = [random.integers(100, 200, 10) + extra for extra in (0, shift)]
         frames, results = [], []
         for label, counts in zip(("A2C with 6-step TOE", "A2C"), sides, strict=True):
-            at = [None if k < given_up else int(n) for k, n in enumerate(counts)]
+            at = [None if k < exceeded else int(n) for k, n in enumerate(counts)]
             frames.append(pl.DataFrame({"converged_at": at, "steps_had": counts}))
             row = next(row for row in EXPERIMENTS[0].rows if row.label == label)
             run: Any = SimpleNamespace(converged_at=at)
@@ -67,7 +67,7 @@ def test_the_report_and_the_multiverse_say_the_same_of_the_same_runs():
         assert (found.ranks.superiority, found.ranks.p) == (expected.superiority, expected.p)
 
 
-def test_over_one_setting_the_verdict_is_mann_whitneys_ties_and_runs_given_up_included():
+def test_over_one_setting_the_verdict_is_mann_whitneys_ties_and_infinite_runs_included():
     random = np.random.default_rng(3)
     for _ in range(30):
         a, b = (random.integers(0, 12, size).astype(float) for size in (10, 7))
@@ -100,7 +100,7 @@ def test_over_several_settings_p_is_that_of_permuting_the_runs_within_each():
     assert found.p == pytest.approx(np.mean(drawn), abs=0.02)
 
 
-def test_agents_that_never_come_so_far_are_undecided_over_settings_too():
+def test_agents_that_never_converge_are_undecided_over_settings_too():
     never = np.full(5, np.inf)
     assert compare_within([(never, never)] * 3).outcome is Outcome.UNDECIDED
 

@@ -58,10 +58,10 @@ def _write(path, head, learners, ratio, runs, random) -> None:
                 vanilla = next(v for v in experiment.rows if v.vanilla and v.tool == row.tool)
                 mean = vanilla.mean * speed * (1 if row.vanilla else ratio)
                 counts, first = (_counts(random, mean * part, runs) for part in (1, 0.2))
-                given_up = " ".join(["-", *counts.split()[1:]]) if row.tool == "broom" else counts
+                exceeded = " ".join(["-", *counts.split()[1:]]) if row.tool == "broom" else counts
                 converged = runs - (row.tool == "broom")
                 what = (name, row.tool, REWARDS[row.intrinsic], row.horizon, row.beta, runs)
-                came = (converged, given_up, first, counts, counts)
+                came = (converged, exceeded, first, counts, counts)
                 lines.append(",".join(map(str, (*key, *what, *came))))
     path.write_text("\n".join(lines) + "\n")
 

@@ -83,7 +83,7 @@ def _finite(runs: np.ndarray) -> int:
 
 
 def tally(outcomes: Iterable[Outcome]) -> dict[str, int]:
-    """How many statements hold, are undecided, and come out the other way round.
+    """The numbers of statements that hold, are undecided, and come out the other way round.
 
     Example:
         >>> tally([Outcome.HOLDS, Outcome.OPPOSITE, Outcome.HOLDS])

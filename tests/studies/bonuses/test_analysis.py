@@ -58,7 +58,7 @@ def test_the_table_has_the_middle_half_and_its_interval():
     assert (one["converged"], one["runs"]) == (10, 10)
 
 
-def test_runs_that_never_came_so_far_are_no_number():
+def test_runs_that_exceeded_their_budget_have_no_mean():
     one = summary(TWO_GOALS, RUNS).filter(agent="A2C + second can").row(0, named=True)
     assert (one["converged"], one["converged_at"], one["converged_at_high"]) == (0, None, None)
     assert one["first_success"] is not None

@@ -137,7 +137,7 @@ def test_there_is_a_mark_for_each_learner_and_row_in_both_panels(tmp_path):
     assert len(marks) == len(pace.learners) * 4 * 2
     assert marks["ratio"].to_numpy() == pytest.approx(0.8, rel=0.2)
     broom = marks.filter(row="A2C with 3-step TOE (broom)", measure="convergence")
-    assert not broom["complete"].any(), "one run of each was given up"
+    assert not broom["complete"].any(), "one run of each exceeded its budget"
     assert marks.filter(measure="first success")["complete"].all()
     figure = slowness_figure(marks)
     panels = figure.axes

@@ -4,8 +4,9 @@ import pytest
 
 from habilis.learning.config import Config
 from habilis.learning.runs import Run
-from habilis.studies.paper.curves import attached_share, equipped_share, mean_curve, returns
+from habilis.studies.comparison import Outcome
 from habilis.studies.paper.agent_statements import agent_statements
+from habilis.studies.paper.curves import attached_share, equipped_share, mean_curve, returns
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.tables import Result
 from habilis.worlds.world import load_world

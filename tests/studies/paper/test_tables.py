@@ -9,18 +9,17 @@ from habilis.learning.runs import Run
 from habilis.studies.comparison import Outcome
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.tables import Result, row_orders, table
-from habilis.studies.comparison import Outcome
 from habilis.worlds.world import load_world
 
 FIRST, SECOND = EXPERIMENTS
 
 
-def run(counts, given_up=()):
-    """A run whose runs took so many episodes; those given up did not converge."""
+def run(counts, exceeded=()):
+    """A run whose runs took so many episodes; those that exceed their budget do not converge."""
     episodes = pl.DataFrame(
         {"run": np.repeat(np.arange(len(counts)), counts), "episode": 0, "return": -1.0}
     )
-    converged = tuple(None if i in given_up else int(n) for i, n in enumerate(counts))
+    converged = tuple(None if i in exceeded else int(n) for i, n in enumerate(counts))
     config = Config(runs=len(counts))
     return Run(config, load_world("corridor"), -14.0, episodes, converged, None)  # pyright: ignore[reportArgumentType]
 
@@ -35,8 +34,8 @@ def test_mean_and_deviation_are_over_all_runs():
     assert result.deviation == pytest.approx(np.std([10, 20, 60], ddof=1))
 
 
-def test_a_run_that_was_given_up_stays_in_the_mean_and_is_shown():
-    result = Result.of(FIRST.rows[0], run([10, 20, 60], given_up=[2]))
+def test_a_run_that_exceeded_its_budget_stays_in_the_mean_and_is_shown():
+    result = Result.of(FIRST.rows[0], run([10, 20, 60], exceeded=[2]))
     assert (result.mean, result.converged, result.all_converged) == (30, 2, False)
     row = table(FIRST, results(FIRST, [run([10, 20, 60], [2]), run([30] * 3), run([60] * 3)]))
     assert row["mean_is_lower_bound"].to_list() == [True, False, False]
@@ -67,7 +66,7 @@ WELCH = {
 
 
 def test_a_ratio_to_a_lower_bound_is_an_upper_bound():
-    whole, cut = run([10, 20]), run([10, 20], given_up=[1])
+    whole, cut = run([10, 20]), run([10, 20], exceeded=[1])
     rows = table(SECOND, results(SECOND, [whole, cut, cut, whole]))
     assert rows["ratio_is"].to_list() == ["exact", "at least", "exact", "at most"]
     rows = table(SECOND, results(SECOND, [cut, cut, whole, whole]))
@@ -87,12 +86,12 @@ def test_the_papers_pairs_are_separated_as_its_figures_say():
             assert c.published_ratio < 1
 
 
-def test_verdicts_are_plain_about_order_doubt_and_runs_given_up():
+def test_verdicts_are_plain_about_order_doubt_and_runs_that_exceeded_their_budget():
     fast, slow = run([100, 110, 105, 104, 107]), run([200, 210, 205, 220, 190])
-    given_up = run([900, 111, 104, 103, 102], given_up=[0])
+    exceeded = run([900, 111, 104, 103, 102], exceeded=[0])
     verdict = {
         (c.faster, c.slower): c.verdict
-        for c in row_orders(FIRST, results(FIRST, [slow, fast, given_up]))
+        for c in row_orders(FIRST, results(FIRST, [slow, fast, exceeded]))
     }
     vanilla, foe, toe = (row.label for row in FIRST.rows)
     assert verdict[foe, vanilla].startswith("the paper's order (p = ")
@@ -104,22 +103,22 @@ def test_verdicts_are_plain_about_order_doubt_and_runs_given_up():
     )
 
 
-def test_where_runs_were_given_up_ranks_decide_and_not_the_episodes_they_had():
-    """One of ten given up: early or late, it counts as the slowest."""
+def test_where_runs_exceeded_their_budget_ranks_decide_and_not_the_episodes_they_had():
+    """One of ten exceeds its budget: early or late, it counts as the slowest."""
     fast, slow = list(range(100, 110)), list(range(200, 210))
     for had in (1, 5_000):
-        few = run([*fast[:9], had], given_up=[9])
+        few = run([*fast[:9], had], exceeded=[9])
         ours = row_orders(FIRST, results(FIRST, [run(slow), few, few]))
         assert all(c.outcome is Outcome.HOLDS for c in ours if c.slower == "A2C")
         assert all(not c.complete for c in ours)
-        none = run([had] * 10, given_up=range(10))
+        none = run([had] * 10, exceeded=range(10))
         ours = row_orders(FIRST, results(FIRST, [run(slow), none, none]))
         assert all(c.outcome is Outcome.OPPOSITE for c in ours if c.slower == "A2C")
 
 
-def test_the_median_takes_a_run_given_up_for_the_longest():
-    assert Result.of(FIRST.rows[0], run([10, 20, 1], given_up=[2])).median == 20
-    assert Result.of(FIRST.rows[0], run([10, 20, 1], given_up=[0, 2])).median == np.inf
+def test_the_median_takes_a_run_that_exceeded_its_budget_for_the_longest():
+    assert Result.of(FIRST.rows[0], run([10, 20, 1], exceeded=[2])).median == 20
+    assert Result.of(FIRST.rows[0], run([10, 20, 1], exceeded=[0, 2])).median == np.inf
 
 
 def test_equal_rows_and_rows_that_do_not_vary_are_undecided():

@@ -130,7 +130,7 @@ def test_the_reports_tables_show_the_data(paper):
             assert f"{result['published_mean']:,.0f}" in row[1]
             assert f"{result['ours_mean']:,.0f} ± {result['ours_std']:,.0f}" in row[3]
             assert float(row[4].strip("? ")) == pytest.approx(result["ours_ratio"], abs=5e-3)
-            assert row[5] == "–", "all runs were given up"
+            assert row[5] == "–", "all runs exceeded their budget"
             assert result["ours_median"] is None
             assert row[6] == f"{result['converged']} of {result['runs']}"
             assert row[7] == (result["outcome"] or "")
@@ -150,7 +150,7 @@ def test_card_summary_and_data_count_the_claims_about_agents_in_three_values(pap
     assert [paper.summary()[f"learned_{kind}"] for kind in kinds] == [*data["verdicts"].values()]
 
 
-def test_runs_given_up_are_shown_as_lower_bounds(paper):
+def test_runs_that_exceeded_their_budget_are_shown_as_lower_bounds(paper):
     rows = pl.read_csv(paper.folder / "table1.csv")
     assert rows["mean_is_lower_bound"].all()
     assert (rows["converged"] == 0).all()

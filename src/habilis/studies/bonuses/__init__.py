@@ -1,1 +1,1 @@
-"""What the studies of learning agents have in common: agents, their training, tables, a page."""
+"""Small studies of bonuses: `habilis study` trains agents with several, and compares them."""

@@ -34,7 +34,7 @@ AGENTS = (
 PAIRS = tuple((OBJECT, agent.name) for agent in AGENTS if agent.name != OBJECT)
 
 EARLY, LATE = 1_000, 100
-"""How many episodes, the first and the last ones, shares are of."""
+"""The numbers of first and of last episodes over which shares are taken."""
 
 
 def tell(run: Run, index: int) -> dict[str, float]:
@@ -54,7 +54,7 @@ def _share(had: pl.Series) -> float:
 STUDY = Study(
     name="choosing",
     title="The tool that fits",
-    question="Several tools lie about, and with only one of them, the rake, can the can be "
+    question="There are several tools, and with only one of them, the rake, can the can be "
     "brought to its goal. In niche the first tool that the agent comes to stays in its hand; in "
     "shelf it can be put down. Which reward leads to the rake, and to the goal, sooner? The rake "
     "counts as in hand in an episode where it is for most of its steps.",

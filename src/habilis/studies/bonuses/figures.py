@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
+from habilis.colours import COLOURS
 from habilis.studies.bonuses.study import CONVERGENCE, FIRST_SUCCESS, Measure
 
 CAPTION = (
@@ -17,7 +18,7 @@ CAPTION = (
     "mean with its 95 % bootstrap interval (an arrow: unbounded; no large dot: too few runs "
     "finished for a mean)."
 )
-_RUN, _MIDDLE, _NEVER = "#8a93a3", "#0072b2", "#d55e00"
+_RUN, _MIDDLE, _NEVER = "#8a93a3", COLOURS[0], COLOURS[1]
 _TICKS = [digit * 10**power for power in range(8) for digit in (1, 2, 5)]
 
 
@@ -26,7 +27,7 @@ def episodes_figure(
     runs: pl.DataFrame,
     measures: Sequence[Measure] = (FIRST_SUCCESS, CONVERGENCE),
 ) -> Figure:
-    """How many episodes each agent takes, a row of panels a measure, a column a case.
+    """The episodes that each agent takes: a row of panels per measure, a column per case.
 
     Args:
         table: of `analysis.summary`.

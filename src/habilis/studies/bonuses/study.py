@@ -46,7 +46,7 @@ class Agent:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Where agents are compared.
+    """A world and its settings, in which agents are compared.
 
     Attributes:
         name: in tables and pictures.
@@ -81,7 +81,7 @@ FIRST_SUCCESS = Measure("first_success", "episodes to first success", True)
 
 @dataclass(frozen=True)
 class Budget:
-    """How much is trained.
+    """The amount of training.
 
     Attributes:
         runs: of every agent in every case.
@@ -109,7 +109,7 @@ class Study:
         title, question: of its section of the report.
         cases: where agents are compared.
         agents: which are.
-        pairs: those held against each other, each an agent's name and another's.
+        pairs: the contrasts, each an agent's name and another's.
         measures: what its table has; the first one decides, also among weights.
         tell: measurements of a run besides episodes to first success and convergence.
         figure: its picture, from `analysis.summary` and the table of runs.

@@ -31,7 +31,7 @@ FILES = {
 """The content of each file, by its name."""
 
 MEASURES = ("first success", "convergence")
-"""What is counted in episodes: until a hundred of them first average at most twice the cost of the
+"""The measures, in episodes: until a hundred of them first average at most twice the cost of the
 best one, and to convergence by the paper's criterion."""
 
 BLOCK = 100
@@ -67,7 +67,7 @@ class AgentRuns:
         return len(self.had)
 
     def came(self, measure: str = "convergence") -> int:
-        """How many runs stayed within their budget."""
+        """The number of runs that stayed within their budget."""
         return int(np.isfinite(self.counts[measure]).sum())
 
     def budgeted(self, measure: str = "convergence") -> Float[np.ndarray, "runs"]:

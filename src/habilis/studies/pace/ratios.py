@@ -15,7 +15,7 @@ from habilis.studies.paper.published import EXPERIMENTS, Experiment, Row
 
 @dataclass(frozen=True)
 class Ratio:
-    """How many times the episodes of one agent another one needs, over several learners.
+    """The episodes of one agent over those of another, over several learners.
 
     Attributes:
         middle: the geometric mean over the learners of the ratio of mean episodes.

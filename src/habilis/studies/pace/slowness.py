@@ -34,7 +34,7 @@ Sides = tuple[AgentRuns, AgentRuns]
 
 @dataclass(frozen=True)
 class Association:
-    """How the ratio of regularised to vanilla goes with how slow the vanilla learner is.
+    """The association of the ratio of regularised to vanilla with the slowness of the learner.
 
     Attributes:
         measure: one of `data.MEASURES`.
@@ -104,7 +104,7 @@ def association(
     repeats: int = _REPEATS,
     seed: int = 0,
 ) -> Association | None:
-    """How the ratio goes with slowness, by ranks (see the module's first lines).
+    """The association of the ratio with slowness, by ranks (see the module's docstring).
 
     Args:
         learners: of all kinds together; those without all rows are left out.
@@ -125,14 +125,14 @@ def association(
         return None
     random = np.random.default_rng(seed)
     drawn = random.integers(len(whole), size=(repeats, len(whole)))
-    once, anew = np.empty((2, len(rows), repeats))
+    once, resampled = np.empty((2, len(rows), repeats))
     for at, row in enumerate(rows):
         halves = [_halves(_sides(one, *row)[0], measure, by, repeats, random) for one in whole]
         slowness, ratio = (np.stack(part, axis=1) for part in zip(*halves, strict=True))
         once[at] = spearman(slowness, ratio)
-        anew[at] = spearman(*(np.take_along_axis(x, drawn, axis=1) for x in (slowness, ratio)))
+        resampled[at] = spearman(*(np.take_along_axis(x, drawn, axis=1) for x in (slowness, ratio)))
     ratios = marks(whole).filter(measure=measure)["ratio"]
-    low, high = np.quantile(anew.mean(axis=0), [0.025, 0.975])
+    low, high = np.quantile(resampled.mean(axis=0), [0.025, 0.975])
     return Association(
         *(measure, by),
         *(float(once.mean()), float(low), float(high)),
@@ -148,7 +148,7 @@ def _sides(learner: Learner, experiment: Experiment, row: Row, vanilla: Row) -> 
 def _halves(
     sides: Sides, measure: str, by: str, repeats: int, random: np.random.Generator
 ) -> tuple[Float[np.ndarray, "repeats"], Float[np.ndarray, "repeats"]]:
-    """How slow the vanilla agent is by one half of its runs, and the comparison by the other."""
+    """The vanilla agent's slowness by one half of its runs, and the comparison by the other."""
     ratio = by == "ratio"
     agent, bare = (one.budgeted(measure) if ratio else one.counts[measure] for one in sides)
     if len(bare) < 2:

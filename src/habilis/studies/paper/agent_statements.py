@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float
 
-from habilis.studies.comparison import Outcome, verdict_of
+from habilis.studies.comparison import compare
 from habilis.studies.pace.data import Learner
 from habilis.studies.pace.ratios import Ratio, ratio_over
+from habilis.studies.paper.curves import Curves, attached_share, equipped_share
 from habilis.studies.paper.findings import AgentStatement
 from habilis.studies.paper.published import EXPERIMENTS, Experiment
 from habilis.studies.paper.tables import Result, RowOrder, row_orders
-from habilis.studies.comparison import compare
 
 EARLY = 1_000
 """The "initial stage of learning" over which shares of Figure 2 are compared, in episodes."""
@@ -36,7 +36,7 @@ def agent_statements(results: Results, ensemble: Sequence[Learner] = ()) -> list
 
     Args:
         results: of the reproduction's learner, by the experiment's name.
-        ensemble: other learners, by which the orders are looked at too.
+        ensemble: other learners, by which the orders are judged, too.
     """
     orders = [
         AgentStatement(

@@ -9,12 +9,11 @@ import numpy as np
 import polars as pl
 
 from habilis.learning.runs import Run
-from habilis.studies.comparison import Outcome, outcome_of, verdict_of
+from habilis.statistics import welch, welch_of_moments
+from habilis.studies.comparison import Comparison, Outcome, compare
 from habilis.studies.pace.data import Learner, Pace
 from habilis.studies.pace.ratios import Ratio, bound, ratio_over
 from habilis.studies.paper.published import RUNS, Experiment, Row
-from habilis.statistics import welch, welch_of_moments
-from habilis.studies.comparison import Comparison, Outcome, compare
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +73,7 @@ class Result:
         return float(self.counts.std(ddof=1)) if len(self.counts) > 1 else 0.0
 
     def ratio(self, to: "Result") -> float:
-        """How many times the episodes of another row."""
+        """The mean episodes over those of another row."""
         return self.mean / to.mean
 
 

@@ -21,7 +21,7 @@ KINDS = {
         *("sensor", "horizon", "statistic", "around", "within", "beyond", "placed", "against"),
     ),
 }
-"""What can be stated, and with which words besides `tool` and what every number has."""
+"""The kinds of target, each with its own keys besides `tool` and those that every target has."""
 _CHOICES = {
     "kind": tuple(KINDS),
     "tool": (*TOOLS, NO_TOOL),
@@ -55,8 +55,8 @@ class Target:
         around: the thing around which the cells are, "tool", "object" or "goal"; "" for all cells.
         within, beyond: the largest distance of a cell to that thing, and the largest that is too
             near; Manhattan.
-        placed: whether tool and object are put side by side (`CachedWorld.side_by_side`), and only agent
-            cells from which the tool is in hand are looked at.
+        placed: whether tool and object are put side by side (`CachedWorld.side_by_side`), and only
+            agent cells from which the tool is in hand are considered.
         value, tolerance: what is stated, and how far off still meets it; no value where `least`
             and `most` say it.
         least, most: bounds; both included.
@@ -103,7 +103,7 @@ class Target:
         return {"steps": "steps", "apart": "steps", "return": ""}.get(self.kind, "bits")
 
     def miss(self, number: float) -> float:
-        """How far a number is outside the bounds; 0 if it meets them."""
+        """The distance of a number from the bounds; 0 if it meets them."""
         low, high = self.bounds
         slack = 1e-9  # of the tolerance's own rounding
         return 0.0 if low - slack <= number <= high + slack else max(low - number, number - high)
@@ -111,7 +111,7 @@ class Target:
 
 @dataclass(frozen=True)
 class TargetMap:
-    """What is stated about one map.
+    """The targets of one map.
 
     Attributes:
         name: what maps that meet it are called: the list's own name, unless it gives another.

@@ -14,7 +14,7 @@ from habilis.studies.paper.findings import Statement
 from habilis.studies.paper.worlds import PaperWorlds
 
 HORIZONS = range(1, 31)
-"""Where the paper says "always"."""
+"""The horizons tested where the paper says "always"."""
 USED_HORIZONS = range(1, 7)
 """Up to the largest horizon that the paper computes anything for."""
 _SAME = 1e-9  # bits
@@ -31,7 +31,7 @@ def picker_above_broom_above_bare(worlds: PaperWorlds) -> Statement:
 
 
 def broom_adds_the_sideways_push(worlds: PaperWorlds) -> Statement:
-    """What the broom can do at once and the agent alone cannot: push from the diagonal."""
+    """The broom's immediate advantage over the agent alone: a push from the diagonal."""
     broom, bare = _able_by_offset(worlds, "broom"), _able_by_offset(worlds, "none")
     return Statement(
         "IV-C",

@@ -162,7 +162,7 @@ def _print(world: World, numbers: list[Number]) -> None:
 
 
 def _reporter() -> Report:
-    """Writes how it goes on one line of standard error, or every ten seconds on one of its own."""
+    """Writes progress to one line of a terminal, or a line every ten seconds elsewhere."""
     terminal, last = sys.stderr.isatty(), [time.perf_counter()]
 
     def report(line: str) -> None:

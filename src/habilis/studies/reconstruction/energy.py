@@ -1,4 +1,4 @@
-"""How far a map is from meeting a list of stated numbers."""
+"""The distance of a map from meeting a list of stated numbers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

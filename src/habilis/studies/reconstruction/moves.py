@@ -6,11 +6,11 @@ from random import Random
 from habilis.studies.paper.targets import TargetMap
 from habilis.studies.reconstruction.shapes import (
     SIDES,
-    free_cells,
     neighbours,
     one_room,
     walls_alone,
 )
+from habilis.worlds.moving import free_cells
 from habilis.worlds.world import NO_TOOL, Cell, World
 
 _LONGEST = 7  # run of walls that is drawn at once

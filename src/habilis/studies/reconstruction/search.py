@@ -19,7 +19,7 @@ Report = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Attempt:
-    """How one attempt ended.
+    """The result of one attempt.
 
     Attributes:
         number: which it was, from 1.
@@ -48,7 +48,7 @@ def attempts(
         seed: of the randomness.
         known: maps from which those found must differ.
         begin: the map to begin with each time; by default one at random.
-        schedule: how long an attempt goes on, by default 2000 changes.
+        schedule: the length of an attempt, by default 2000 changes.
         report: called with the progress, in words.
         first: the number of the attempt to begin with; each is seeded for itself.
     """

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from habilis.worlds.characters import FLOOR
+from habilis.worlds.moving import free_cells
 from habilis.worlds.world import Cell, World
 
 SIDES: tuple[Cell, ...] = ((-1, 0), (0, 1), (1, 0), (0, -1))
@@ -13,14 +14,8 @@ def neighbours(cell: Cell) -> list[Cell]:
     return [(cell[0] + row, cell[1] + column) for row, column in SIDES]
 
 
-def free_cells(world: World) -> list[Cell]:
-    """The cells that are not walls, row by row."""
-    cells = ((row, column) for row in range(world.height) for column in range(world.width))
-    return [cell for cell in cells if cell not in world.walls]
-
-
 def walls_alone(world: World) -> int:
-    """How many walls have none beside them: what makes a map look like anything but rooms."""
+    """The number of walls without a neighbouring wall: many of them do not look like rooms."""
     return sum(not world.walls.intersection(neighbours(wall)) for wall in world.walls)
 
 

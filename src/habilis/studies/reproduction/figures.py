@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import PercentFormatter
 
 from habilis.analysis.landscape import draw_landscapes
+from habilis.colours import COLOURS
 from habilis.learning.curves import SMOOTHING
 from habilis.learning.runs import Run
 from habilis.studies.axes import (
@@ -36,9 +37,6 @@ from habilis.worlds.pictures.figures import draw_world
 from habilis.worlds.rules import ACTIONS
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import World
-
-# Colour-blind-safe (Okabe and Ito).
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 
 _POINTS = 1000  # of a curve: more than there are pixels
 
@@ -92,7 +90,7 @@ def _panel(ax: Axes, world: World, framed: bool) -> None:
     draw_world(ax, world)
     ax.set_frame_on(True)
     for spine in ax.spines.values():
-        spine.set(color="#0072b2" if framed else "#c9ced6", linewidth=2.5 if framed else 0.8)
+        spine.set(color=COLOURS[0] if framed else "#c9ced6", linewidth=2.5 if framed else 0.8)
 
 
 def figure_2(results: Sequence[Result]) -> Figure:
@@ -180,7 +178,7 @@ def figure_4b() -> Figure:
 
 _MARKERS = {"ensemble": "o", "multiverse": "s", "fast default": "D"}
 _EDGE = 1.25  # how far the axes of the slowness figure go beyond the marks, as a factor
-_ROW_COLOURS = ("#0072b2", "#009e73", "#d55e00", "#cc79a7")  # as COLOURS, in its own order
+_ROW_COLOURS = (COLOURS[0], COLOURS[2], COLOURS[1], COLOURS[3])
 
 
 def slowness_figure(marks: pl.DataFrame) -> Figure:

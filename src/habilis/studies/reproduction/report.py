@@ -91,7 +91,7 @@ def method_of(pace: Pace) -> Method:
 
 
 def _stage(rows: pl.DataFrame | None) -> str | None:
-    """How many settings, on how many maps, with how many runs of each vanilla agent.
+    """The numbers of settings, of maps, and of runs of each vanilla agent, as a phrase.
 
     Example:
         >>> _stage(pl.DataFrame({"setting": [1, 1, 2], "map": ["a", "b", "a"], "runs": [5, 5, 5]}))

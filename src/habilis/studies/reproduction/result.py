@@ -44,7 +44,7 @@ class Reproduction:
 
     @property
     def verdicts(self) -> dict[str, int]:
-        """How many statements about the agents hold, are undecided, come out the other way."""
+        """The numbers of statements about the agents that hold, are undecided, are opposite."""
         return tally(claim.outcome for claim in self.learned)
 
     @property
@@ -61,13 +61,13 @@ class Reproduction:
 
     @cached_property
     def associations(self) -> list[Association]:
-        """How the ratio, and the order, of regularised and vanilla go with slowness."""
+        """The associations of the ratio, and of the order, with slowness."""
         learners = self.pace.learners
         found = [association(learners, measure, by) for measure in MEASURES for by in WAYS]
         return [one for one in found if one is not None]
 
     def summary(self) -> dict[str, Any]:
-        """How much agrees, and where the report is."""
+        """The counts of what agrees, and the path of the report."""
         verdicts = self.verdicts
         return {
             "report": str(self.folder / "report.html"),
