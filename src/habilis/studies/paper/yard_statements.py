@@ -36,7 +36,7 @@ def broom_adds_the_sideways_push(worlds: PaperWorlds) -> Statement:
     return Statement(
         "IV-C",
         "With the broom the agent can push a can that stands diagonally from it; alone it cannot",
-        broom[1, 1] > 0 and bare[1, 1] == 0,
+        bool(broom[1, 1] > 0 and bare[1, 1] == 0),
         f"in {broom[1, 1]:,} placements with the broom, in {bare[1, 1]:,} without",
     )
 
