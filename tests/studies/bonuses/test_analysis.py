@@ -70,7 +70,7 @@ def test_shares_are_means_with_the_bootstrap_interval_of_the_project():
     study = replace(TWO_GOALS, measures=(share,))
     runs = made_up(study, episodes, share=lambda _, run: values[run])
     one = summary(study, runs).row(0, named=True)
-    low, high = bootstrap_interval(values)
+    low, high = map(float, bootstrap_interval(values))
     assert (one["share"], one["share_low"], one["share_high"]) == pytest.approx(
         (values.mean(), low, high)
     )

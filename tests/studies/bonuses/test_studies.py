@@ -199,7 +199,7 @@ def all_finite(runs):
         (["study", "rooms", "--out", "new"], "no study 'rooms'; name one of choosing, two-goals"),
         (["study", "unseen"], "--out"),
         (["study", "unseen", "--out", "full"], "full: exists already"),
-        (["study", "unseen", "--out", "full", "--resume"], "full: holds no studies to resume"),
+        (["study", "unseen", "--out", "full", "--resume"], "full: holds no studies to go on with"),
         (["study", "unseen", "--out", "full/mine.txt"], "mine.txt is not a folder"),
     ],
 )

@@ -36,13 +36,8 @@ def run_studies(
         out: a new folder: `report.html`, and for each study a picture and two tables; in `runs`
             what has been trained.
         quick: whether to run a smoke test: so little training that the results are meaningless.
-<<<<<<< HEAD
-        resume: whether to go on in a folder of studies.
-        on_progress: called whenever a task is finished.
-=======
         resume: whether to continue in a folder of studies.
-        on_progress: called whenever a part is finished.
->>>>>>> 93d6998 (Docstrings of the studies as noun phrases, runs exceed their budget)
+        on_progress: called whenever a task is finished.
 
     Returns:
         An answer a study.
@@ -83,18 +78,6 @@ def _named(name: str) -> Study:
     return STUDIES[name]
 
 
-<<<<<<< HEAD
-=======
-def _open(folder: Path, resume: bool) -> None:
-    there = resume and folder.is_dir() and any(folder.iterdir())
-    check_folder(folder) if there else check_unused(folder)
-    if there and not (folder / RUNS).is_dir():
-        raise ValueError(f"{folder}: holds no studies to resume; name another folder")
-    with writing(folder):
-        (folder / RUNS).mkdir(parents=True, exist_ok=True)
-
-
->>>>>>> 93d6998 (Docstrings of the studies as noun phrases, runs exceed their budget)
 def _tried(study: Study, budget: Budget) -> list[Point]:
     return [
         point

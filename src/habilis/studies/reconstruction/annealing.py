@@ -46,13 +46,8 @@ def anneal(
 
     Args:
         targets: the numbers that the map has to meet.
-<<<<<<< HEAD
-        random: the source of all random numbers.
-        schedule: how long to go on, and how to cool.
-=======
-        random: the source of all randomness.
+            random: the source of all random numbers.
         schedule: length and cooling.
->>>>>>> 93d6998 (Docstrings of the studies as noun phrases, runs exceed their budget)
         show: called with the progress.
         begin: the map to begin with; by default one at random.
         wanted: whether a map that meets everything is one to stop at.
