@@ -7,7 +7,7 @@ import pytest
 
 import habilis as hb
 from habilis.benchmarks.plain_jax import LIMIT, State, make_train, moved, room_of
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from habilis.envs import EmpowermentReward, TableEnv, TableVectorEnv
 from habilis.envs.functional import FunctionalEnv
-from habilis.learning.rollout import Place, rollout, sampled
+from habilis.learning.rollout import EnvState, rollout, sample_action
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
@@ -233,14 +233,16 @@ def test_environment_and_trainer_make_the_same_steps(seed: int):
 
     def uniform(state, draw):
         logits = jnp.zeros((len(state), mdp.action_count))
-        return sampled(logits, draw, task.available_in(state)), ()
+        return sample_action(logits, draw, task.available_in(state)), ()
 
     draws = jnp.asarray(rng.random((40, 1), np.float32))
-    place = Place(jnp.array([mdp.start]), jnp.zeros(1, int))
-    _, passed = rollout(task, uniform, place, jnp.float32(7), draws)
+    env_state = EnvState(jnp.array([mdp.start]), jnp.zeros(1, int))
+    _, trajectory = rollout(task, uniform, env_state, jnp.float32(7), draws)
     env = TableEnv(mdp, max_steps=7)
     env.reset()
-    for transition, cut in zip(passed.transition[:, 0], passed.truncated[:, 0], strict=True):
+    for transition, cut in zip(
+        trajectory.transition[:, 0], trajectory.truncated[:, 0], strict=True
+    ):
         assert env.state == int(task.state_of(transition))
         _, reward, terminated, truncated, _ = env.step(int(task.action_of(transition)))
         assert reward == float(task.transitions.reward[transition])

@@ -17,9 +17,9 @@ import habilis as hb
 from habilis.envs import EmpowermentReward, TableEnv, WorldEnv
 from habilis.envs.functional import KINDS, FunctionalEnv
 from habilis.learning import intrinsic
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
-from habilis.learning.rollout import Place, rollout
+from habilis.learning.rollout import EnvState, rollout
 from habilis.learning.task import make_task
 from habilis.worlds.table import restarted
 
@@ -254,11 +254,11 @@ def test_the_trainer_makes_the_same_transitions(world, limit):
     actions = jax.random.randint(KEY, (3000, 4), 0, env.num_actions)
     _, ours = walk(env, env.default_params, actions)
     task, _ = make_task(mdp)
-    place = Place(jnp.full(4, mdp.start), jnp.zeros(4, jnp.int32))
+    env_state = EnvState(jnp.full(4, mdp.start), jnp.zeros(4, jnp.int32))
     # Draws are given out one a decision: here each is the action itself.
     _, theirs = rollout(
         *(task, lambda _, draw: (draw.astype(jnp.int32), ())),
-        *(place, jnp.float32(limit), actions.astype(jnp.float32)),
+        *(env_state, jnp.float32(limit), actions.astype(jnp.float32)),
     )
     state, reached, reward, terminated, truncated = ours
     assert jnp.array_equal(state, theirs.state)

@@ -11,12 +11,14 @@ from hypothesis import strategies as st
 from probes import QUICK_A2C, learn
 
 import habilis as hb
-from habilis.learning.algorithms import PPO, QLearning, SoftValueIteration
+from habilis.learning.algorithms.ppo import PPO
+from habilis.learning.algorithms.q_learning import QLearning
+from habilis.learning.algorithms.soft_value_iteration import SoftValueIteration
 from habilis.learning.config import Config
 from habilis.learning.episodes import Ledger
-from habilis.learning.ground import success_rate
-from habilis.learning.rollout import Place, rollout, sampled
+from habilis.learning.rollout import Context, EnvState, rollout, sample_action
 from habilis.learning.task import make_task, roomy
+from habilis.learning.training_problem import success_rate
 from habilis.mdp import TabularMDP
 from habilis.transitions import Transitions
 from habilis.worlds.plans import best_returns, distances, solve
@@ -122,22 +124,16 @@ def test_soft_values_are_those_of_plain_loops(seed: int, certain: bool):
 def test_uniform_exploration_is_uniform_over_the_available_actions():
     table = [[1, 2, -1, 3, -1], *[[0, -1, -1, -1, -1]] * 3]
     task, _ = make_task(TabularMDP.deterministic(table))
-    from habilis.learning import q_learning
-    from habilis.learning.rollout import Context
-
-    numbers = {"epsilon": 1.0, "epsilon_end": 1.0, "epsilon_steps": 0.0}
-    numbers = {name: jax.numpy.float32(n) for name, n in numbers.items()}
-    context = Context(
-        task, QLearning(), numbers, jax.numpy.float32(0), jax.random.key(0), lambda t: t * 0.0
-    )
+    algorithm = QLearning(epsilon=1.0, epsilon_end=1.0, epsilon_steps=0)
+    context = Context(task, jax.numpy.float32(0), jax.random.key(0), lambda t: t * 0.0)
     draws = (np.arange(3000) + 0.5) / 3000
     states = jax.numpy.zeros(3000, int)
-    learner = q_learning.start(task, 0, QLearning(), jax.random.key(0))
-    actions, _ = q_learning.act(context, learner, states, jax.numpy.asarray(draws, np.float32))
+    values = algorithm.init(task, 0, jax.random.key(0))
+    actions, _ = algorithm.act(context, values, states, jax.numpy.asarray(draws, np.float32))
     counts = np.bincount(np.asarray(actions), minlength=5)
     assert (np.abs(counts - [1000, 1000, 0, 1000, 0]) <= 1).all()
     logits = jax.numpy.zeros((3000, 5))
-    drawn = sampled(logits, jax.numpy.asarray(draws, np.float32), task.available_in(states))
+    drawn = sample_action(logits, jax.numpy.asarray(draws, np.float32), task.available_in(states))
     assert (np.abs(np.bincount(drawn, minlength=5) - [1000, 1000, 0, 1000, 0]) <= 1).all()
 
 
@@ -149,7 +145,7 @@ def test_the_last_draw_takes_an_available_action():
         there[0, 2] = True
         logits = jax.numpy.asarray(rng.normal(size=(1, 7)) * 5, np.float32)
         for draw in (almost, jax.numpy.zeros(1)):
-            assert there[0, int(sampled(logits, draw, jax.numpy.asarray(there))[0])]
+            assert there[0, int(sample_action(logits, draw, jax.numpy.asarray(there))[0])]
 
 
 def test_a_state_without_actions_ends_an_episode_as_a_failure():
@@ -244,17 +240,20 @@ def test_steps_of_a_task_are_those_of_the_table():
     task, _ = make_task(ROW)
 
     def uniform(state, draw):
-        return sampled(jax.numpy.zeros((len(state), 3)), draw, task.available_in(state)), ()
+        return sample_action(jax.numpy.zeros((len(state), 3)), draw, task.available_in(state)), ()
 
     draws = np.random.default_rng(0).random((500, 4), np.float32)
-    _, passed = rollout(
+    _, trajectory = rollout(
         task,
         uniform,
-        Place(jax.numpy.zeros(4, int), jax.numpy.zeros(4, int)),
+        EnvState(jax.numpy.zeros(4, int), jax.numpy.zeros(4, int)),
         jax.numpy.float32(50),
         jax.numpy.asarray(draws),
     )
-    states, actions = np.asarray(passed.state), np.asarray(task.action_of(passed.transition))
+    states, actions = (
+        np.asarray(trajectory.state),
+        np.asarray(task.action_of(trajectory.transition)),
+    )
     assert ROW.available[states, actions].all()
     for state in range(3):
         taken = np.bincount(actions[states == state], minlength=3) / (states == state).sum()

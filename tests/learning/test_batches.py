@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from habilis.cli import main
 from habilis.learning import batches, checkpoints, stacks
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.batches import LANES, MOST_LANES, train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job

@@ -8,7 +8,8 @@ import polars as pl
 import pytest
 
 from habilis.cli import main
-from habilis.learning.algorithms import A2C, PPO
+from habilis.learning.algorithms.a2c import A2C
+from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.config import Config
 from habilis.learning.curves import learning_curve, smoothed
 from habilis.learning.curves_picture import curves_figure, labels

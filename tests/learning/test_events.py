@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from events import read_events, scalars
 
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 from habilis.learning.jobs import STRETCH
 from habilis.learning.tensorboard import TAGS

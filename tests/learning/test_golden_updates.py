@@ -16,7 +16,8 @@ from updates import (
     updates,
 )
 
-from habilis.learning.algorithms import A2C, PPO
+from habilis.learning.algorithms.a2c import A2C
+from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.config import Config
 from habilis.learning.presets import preset
 
@@ -94,7 +95,7 @@ def test_two_updates_are_those_of_the_reference(name):
     assert sum(one.truncated.sum() for one in rollouts) > 0
     expected = reference_updates(config, made, rollouts)
     settings = Settings(**reference_settings(config))
-    before = parameters_of(made[0].before.learner.parameters)
+    before = parameters_of(made[0].before.train_state.parameters)
     for update, rollout, steps in zip(made, rollouts, expected, strict=True):
         ours = advantages_of(mdp, config, update, rollout)
         for found, wanted in zip(
@@ -114,7 +115,8 @@ def test_two_updates_are_those_of_the_reference(name):
 def check_changes(update, before: Parameters, after: Parameters) -> None:
     """What an update adds to each array, against the reference's."""
     ours = [
-        parameters_of(lane.learner.parameters).arrays() for lane in (update.before, update.after)
+        parameters_of(lane.train_state.parameters).arrays()
+        for lane in (update.before, update.after)
     ]
     for found_before, found, old, new in zip(*ours, before.arrays(), after.arrays(), strict=True):
         found_change, change = found - found_before, new - old

@@ -5,7 +5,7 @@ import pytest
 from probes import QUICK_A2C, learn, row
 
 from habilis.learning import intrinsic
-from habilis.learning.algorithms import QLearning
+from habilis.learning.algorithms.q_learning import QLearning
 from habilis.learning.config import Config
 from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
@@ -16,39 +16,39 @@ FORK = TabularMDP.deterministic([[1, 2], [3, 3], [3, 3], [3, 3]], terminal=[0, 0
 RIGHT = [0.0, 0.0, 1.0, 0.0]
 
 
-def worth(config, taken=0.0, extrinsic=2.0, following=3.0, current=5.0, terminated=False):
-    """The reward to learn from, by the numbers of a configuration."""
-    numbers = {name: jnp.float32(value) for name, value in intrinsic.weights(config).items()}
-    numbers["reward_scale"] = jnp.float32(config.algorithm.reward_scale)
-    arrays = [jnp.array(x) for x in (extrinsic, following, current, terminated, taken)]
-    return float(intrinsic.reward(numbers, *arrays))
+def reward(config, global_step=0.0, extrinsic=2.0, following=3.0, current=5.0, terminated=False):
+    """The reward to learn from, by the settings of a configuration."""
+    hyperparams = {name: jnp.float32(value) for name, value in intrinsic.weights(config).items()}
+    hyperparams["reward_scale"] = jnp.float32(config.algorithm.reward_scale)
+    arrays = [jnp.array(x) for x in (extrinsic, following, current, terminated, global_step)]
+    return float(intrinsic.reward(hyperparams, *arrays))
 
 
 def test_the_reward_is_that_of_the_paper():
-    assert worth(BONUS.changed(beta=0.5)) == 2 + 0.5 * 3
-    assert worth(BONUS.changed(beta=0.5, reward_scale=0.1)) == pytest.approx(0.35)
+    assert reward(BONUS.changed(beta=0.5)) == 2 + 0.5 * 3
+    assert reward(BONUS.changed(beta=0.5, reward_scale=0.1)) == pytest.approx(0.35)
 
 
 def test_the_bonus_may_be_that_of_the_current_state_or_a_potential():
-    assert worth(BONUS.changed(earned="current")) == 2 + 5
-    assert worth(BONUS.changed(earned="difference", discount=0.5)) == 2 + 0.5 * 3 - 5
+    assert reward(BONUS.changed(earned="current")) == 2 + 5
+    assert reward(BONUS.changed(earned="difference", discount=0.5)) == 2 + 0.5 * 3 - 5
 
 
 def test_a_terminal_state_earns_if_asked_to_and_never_in_a_potential():
-    assert worth(BONUS, terminated=True) == 2 + 3
-    assert worth(BONUS.changed(terminal_bonus=False), terminated=True) == 2
-    assert worth(BONUS.changed(earned="difference", discount=0.5), terminated=True) == 2 - 5
+    assert reward(BONUS, terminated=True) == 2 + 3
+    assert reward(BONUS.changed(terminal_bonus=False), terminated=True) == 2
+    assert reward(BONUS.changed(earned="difference", discount=0.5), terminated=True) == 2 - 5
 
 
 def test_the_extrinsic_reward_can_be_turned_off():
-    assert worth(BONUS.changed(extrinsic=False)) == 3
+    assert reward(BONUS.changed(extrinsic=False)) == 3
 
 
 def test_beta_falls_linearly_to_nothing_or_halves_again_and_again():
     linear = BONUS.changed(beta_schedule="linear", beta_steps=1000)
-    assert [worth(linear, taken=t) for t in (0, 500, 1000, 9999)] == [5, 3.5, 2, 2]
+    assert [reward(linear, global_step=t) for t in (0, 500, 1000, 9999)] == [5, 3.5, 2, 2]
     halving = BONUS.changed(beta_schedule="exponential", beta_steps=1000)
-    assert [worth(halving, taken=t) for t in (0, 1000, 2000)] == [5, 3.5, 2.75]
+    assert [reward(halving, global_step=t) for t in (0, 1000, 2000)] == [5, 3.5, 2.75]
 
 
 def test_an_agent_goes_where_the_bonus_is():
@@ -116,7 +116,7 @@ def test_bad_settings_are_refused(change, says):
 
 def test_the_scale_of_distances_is_their_running_mean_square():
     task, rows = make_task(row(3, 2, np.zeros((3, 2))))
-    kept = intrinsic.start("rnd", task, rows, jax.random.key(0))
+    kept = intrinsic.init("rnd", task, rows, jax.random.key(0))
     entered = jnp.array([[0, 1, 1]])
     distance = jnp.square(
         kept.predictor(task.inputs[entered]) - kept.target(task.inputs[entered])

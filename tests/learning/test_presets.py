@@ -8,7 +8,7 @@ import pytest
 
 import habilis as hb
 from habilis.cli import main
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
 from habilis.learning.networks import Separate

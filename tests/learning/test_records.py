@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 from habilis.learning.convergence import episodes_to_convergence
 from habilis.learning.episodes import Ledger
@@ -44,8 +44,8 @@ def test_a_record_is_over_when_all_its_episodes_say_so(seed, budget, restored):
     for number, lengths in enumerate(stretches):
         if number == restored:  # from a checkpoint, by another process
             saved, mine = mine, record(episodes=budget)
-            points = saved.points().copy()
-            mine.restore(saved.steps, saved.running.copy(), saved.episodes().copy(), points)
+            metrics = saved.metrics().copy()
+            mine.restore(saved.steps, saved.running.copy(), saved.episodes().copy(), metrics)
             assert (mine.ended, mine.converged_at) == (saved.ended, saved.converged_at)
         add(mine, lengths)
         if len(lengths):
@@ -84,7 +84,7 @@ def test_what_a_stretch_will_add_is_worked_out_without_a_change():
 def test_a_run_that_is_given_up_keeps_its_episodes_and_has_not_converged():
     mine = record(episodes=100)
     add(mine, np.array([3, 4]))
-    mine.give_up()
+    mine.stop()
     assert (mine.ended, mine.converged_at, mine.count) == (True, None, 2)
 
 

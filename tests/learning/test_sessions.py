@@ -17,7 +17,8 @@ from disks import mounted
 
 from habilis.cli import main
 from habilis.learning import checkpoints
-from habilis.learning.algorithms import A2C, PPO
+from habilis.learning.algorithms.a2c import A2C
+from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run, read_config
 from habilis.learning.jobs import Job
@@ -313,7 +314,9 @@ def test_what_is_not_finite_is_one_line_and_leaves_the_last_good_checkpoint(room
     per_update = job.config.algorithm.envs * job.config.algorithm.rollout
     assert step % per_update == 0
     assert job.records[run].steps < step <= job.records[run].steps + job.program.steps
-    assert all(np.isfinite(job.lane(k).learner.parameters).all() for k in range(len(job.records)))
+    assert all(
+        np.isfinite(job.lane(k).train_state.parameters).all() for k in range(len(job.records))
+    )
 
 
 def test_what_is_not_finite_names_the_last_good_checkpoint(room, tmp_path):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from habilis.learning import stacks
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
@@ -76,7 +76,7 @@ def test_a_lane_on_its_own_does_not_hold_the_others(room, on_host, monkeypatch):
 @pytest.mark.parametrize("on_host", [True, False])
 def test_the_lane_that_is_not_finite_is_found(room, on_host, monkeypatch):
     stack = stacked([Seat(Job.of(0, room), run) for run in range(5)], 5, CPU)
-    leaves, structure = jax.tree.flatten(stack.lanes.learner)
+    leaves, structure = jax.tree.flatten(stack.lanes.train_state)
     monkeypatch.setattr(stacks, "_on_host", lambda device: on_host)
     assert finite(stack).tolist() == [True] * 5
     for number, leaf in enumerate(leaves):

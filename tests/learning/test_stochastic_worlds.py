@@ -14,11 +14,17 @@ from habilis.cli import main
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
-from habilis.learning.ground import THE_MAPS, Conditions, best_return, expected_returns, ground
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.replay import best_return_from, greedy_actions, play, success, table_of
 from habilis.learning.task import make_task
 from habilis.learning.train import train
+from habilis.learning.training_problem import (
+    DEFAULT_CONDITIONS,
+    Conditions,
+    best_return,
+    expected_returns,
+    training_problem,
+)
 from habilis.transitions import Transitions
 from habilis.worlds.plans import best_returns, distances
 
@@ -68,8 +74,8 @@ def test_in_a_deterministic_world_the_best_return_is_that_of_a_shortest_plan():
 
 def test_a_tool_that_may_fail_costs_something_and_its_luck_is_known(world):
     sure = hb.World.parse(SURE)
-    shortest = best_return(sure, THE_MAPS, 500)
-    assert shortest - 3 < best_return(world, THE_MAPS, 500) < shortest
+    shortest = best_return(sure, DEFAULT_CONDITIONS, 500)
+    assert shortest - 3 < best_return(world, DEFAULT_CONDITIONS, 500) < shortest
     mdp = hb.tabulate(world)
     assert distances(mdp)[mdp.start] == 1 - shortest  # with luck
 
@@ -118,7 +124,7 @@ def test_planning_weighs_what_may_come_by_how_likely_it_is(world):
     settings = {"algorithm": "soft-value-iteration", "discount": 1.0, "temperature": 0.005}
     run = train(LEARN.changed(steps=300_000, sweeps=2, **settings))
     mdp = table_of(run)
-    best = expected_returns(world, THE_MAPS, 500)
+    best = expected_returns(world, DEFAULT_CONDITIONS, 500)
     near = np.flatnonzero((best > -15) & ~mdp.terminal)
     assert len(near) > 500
     values = np.asarray(run.parameters[0]).max(axis=1)
@@ -159,9 +165,12 @@ def test_episodes_may_begin_anywhere_as_well():
     assert rate.seen > 0.99
     assert rate.unseen is not None
     conditions = Conditions.of(run.config)
-    on, expects = ground(run.world, conditions), expected_returns(run.world, conditions, 500)
-    assert run.best_return == pytest.approx(expects[on.seen].mean())
-    assert run.best_return < on.shortest_return
+    problem, expects = (
+        training_problem(run.world, conditions),
+        expected_returns(run.world, conditions, 500),
+    )
+    assert run.best_return == pytest.approx(expects[problem.seen].mean())
+    assert run.best_return < problem.shortest_return
 
 
 def test_a_goal_out_of_reach_is_refused_in_a_stochastic_world_too(tmp_path):

@@ -4,7 +4,7 @@ import polars as pl
 import pytest
 
 from habilis.empowerment import empowerment
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 from habilis.learning.intrinsic import value_table
 from habilis.learning.runs import Progress

@@ -8,7 +8,7 @@ from probes import QUICK_A2C, learn, row
 from updates import chain, rollouts_of, updates
 
 from habilis.learning import intrinsic
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 from habilis.learning.episodes import Ledger
 from habilis.learning.runs import Record
@@ -37,8 +37,8 @@ def test_each_environment_makes_one_episode_an_update(made):
         np.testing.assert_array_equal(ended.sum(axis=0), 1)
         lengths = np.asarray(rollout.mask).sum(axis=0)
         np.testing.assert_array_equal(ended.argmax(axis=0) + 1, lengths)
-        np.testing.assert_array_equal(update.after.place.steps, 0)
-        np.testing.assert_array_equal(update.after.place.state, mdp.start)
+        np.testing.assert_array_equal(update.after.env_state.steps, 0)
+        np.testing.assert_array_equal(update.after.env_state.state, mdp.start)
         np.testing.assert_array_equal(rollout.truncated.any(axis=0) <= (lengths == 9), True)
 
 
@@ -51,8 +51,8 @@ def test_steps_and_episodes_are_those_that_were_made(made):
         did = np.asarray(transition), np.asarray(update.log.truncated[0])
         record.add(record.gain(*did, 0.0))
         steps += int((transition >= 0).sum())
-        assert record.steps == int(update.after.done.steps) == steps
-        assert record.count == int(update.after.done.episodes) == 6 * (number + 1)
+        assert record.steps == int(update.after.counts.steps) == steps
+        assert record.count == int(update.after.counts.episodes) == 6 * (number + 1)
         assert record.last is not None
         assert (record.last.transitions >= 0).all()
     assert record.episodes()[:, 0].sum() == steps
@@ -71,7 +71,7 @@ def test_states_are_counted_where_they_were_entered(made):
 def test_a_network_is_distilled_from_the_states_that_were_entered():
     """From all steps with a mask, and from those alone that it leaves."""
     task, rows = make_task(chain(6))
-    kept = intrinsic.start("rnd", task, rows, jax.random.key(0))
+    kept = intrinsic.init("rnd", task, rows, jax.random.key(0))
     states, mask = jnp.array([[1, 2], [3, 5], [4, 5]]), jnp.array([[1, 1], [1, 0], [1, 0]], bool)
     masked = intrinsic.visited("rnd", kept, task, states, mask)
     alone = intrinsic.visited("rnd", kept, task, states[mask][:, None])

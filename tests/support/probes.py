@@ -6,7 +6,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, advance, settings_of, start_lanes
@@ -32,7 +32,7 @@ QUICK_A2C = A2C(
 class Learned(NamedTuple):
     """What one agent came to."""
 
-    policy: np.ndarray  # the softmax of its preferences, float[S, A]
+    policy: np.ndarray  # float[S, A]
     values: np.ndarray  # of a network, float[S]; of a table Q, float[S, A]
     episodes: np.ndarray  # steps, return and counts of flags
     lane: Lane
@@ -48,16 +48,14 @@ def learn(mdp: TabularMDP, config: Config, updates: int = 1500, table=None) -> L
     lanes = start_lanes(task, program, jax.random.key(config.seed)[None])
     lanes, log = jax.tree.map(np.asarray, advance(task, settings, lanes, program))
     lane = jax.tree.map(lambda leaf: leaf[0], lanes)
-    parameters = lane.learner.parameters
-    preferences = program.module.preferences(task, parameters)
+    parameters = lane.train_state.parameters
+    policy = config.algorithm.policy(task, parameters)
     is_network = isinstance(parameters, Network | Separate)
     values = parameters(task.inputs)[:, -1] if is_network else parameters
     ledger, envs = Ledger.of(mdp), config.algorithm.envs
     transition, truncated = (part[0].reshape(-1, envs) for part in (log.transition, log.truncated))
     episodes, _ = ledger.entries(ledger.nothing(envs), transition, truncated)
-    return Learned(
-        np.asarray(jax.nn.softmax(preferences)), np.asarray(values), episodes, lane, log.loss[0]
-    )
+    return Learned(np.asarray(policy), np.asarray(values), episodes, lane, log.loss[0])
 
 
 def row(states: int, actions: int, reward, terminal_last: bool = True) -> TabularMDP:

@@ -13,8 +13,9 @@ from jaxtyping import Int
 from reference_actor_critic import Rollout, Settings, Step, ppo_steps, steps
 from reference_networks import Layers, Parameters
 
-from habilis.learning import actor_critic
-from habilis.learning.algorithms import PPO, name_of
+from habilis.learning.algorithms import ALGORITHMS, actor_critic
+from habilis.learning.algorithms.ppo import PPO
+from habilis.learning.algorithms.protocol import bound
 from habilis.learning.config import COORDINATES, Config
 from habilis.learning.lanes import Lane, Log, Program, advance, settings_of, start_lanes
 from habilis.learning.networks import Network
@@ -132,7 +133,9 @@ def reference_settings(config: Config) -> dict[str, Any]:
     known = {f.name for f in fields(Settings)}
     given = {name: value for name, value in config.as_dict().items() if name in known}
     return given | {
-        "normalise_over": "minibatch" if name_of(config.algorithm) == "ppo" else "rollout"
+        "normalise_over": "minibatch"
+        if ALGORITHMS.name_of(config.algorithm) == "ppo"
+        else "rollout"
     }
 
 
@@ -141,7 +144,7 @@ def reference_updates(
 ) -> list[list[Step]]:
     """The steps of each update, all from the run's initial weights."""
     parameters, settings = (
-        parameters_of(made[0].before.learner.parameters),
+        parameters_of(made[0].before.train_state.parameters),
         reference_settings(config),
     )
     if not isinstance(config.algorithm, PPO):
@@ -168,29 +171,30 @@ def advantages_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Advantages and targets of an update as the learner has them."""
     task, _ = make_task(mdp, observation=config.observation)
-    network = jax.tree.map(jnp.asarray, update.before.learner.parameters)
+    network = jax.tree.map(jnp.asarray, update.before.train_state.parameters)
     transition = jnp.asarray(np.maximum(update.log.transition[0], 0))
     terminal = rollout.truncated & config.limit_is_terminal
     nothing: Any = None
     experience = Experience(
         state=task.state_of(transition),
         action=task.action_of(transition),
-        reached=task.transitions.next_state[transition],
+        next_state=task.transitions.next_state[transition],
         reward=jnp.asarray(rollout.rewards * config.algorithm.reward_scale, jnp.float32),
         terminated=jnp.asarray(rollout.terminated | terminal),
         truncated=jnp.asarray(rollout.truncated & ~terminal),
-        kept=nothing,
-        now=jnp.asarray(update.after.place.state),
-        made=None if rollout.mask is None else jnp.asarray(rollout.mask),
+        aux=nothing,
+        last_state=jnp.asarray(update.after.env_state.state),
+        mask=None if rollout.mask is None else jnp.asarray(rollout.mask),
     )
-    numbers = settings_of(config, np.zeros(mdp.states)).numbers
+    hyperparams = settings_of(config, np.zeros(mdp.states)).hyperparams
+    algorithm: Any = bound(config.algorithm, hyperparams)
 
     @jax.jit
     def advantages(network: Any, experience: Any) -> tuple[Any, Any]:
         shown = task.inputs[experience.state]
-        kept = actor_critic.Decision(shown, network.activations(shown))
-        context = Context(task, config.algorithm, numbers, jnp.float32(0), nothing, nothing)
-        return actor_critic.advantages(context, network, experience._replace(kept=kept))
+        aux = actor_critic.Decision(shown, network.activations(shown))
+        context = Context(task, jnp.float32(0), jax.random.key(0), jnp.abs)
+        return actor_critic.advantages(algorithm, context, network, experience._replace(aux=aux))
 
     advantage, target = advantages(network, experience)
     return np.asarray(advantage), np.asarray(target)

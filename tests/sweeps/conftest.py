@@ -1,6 +1,6 @@
 import pytest
 
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 
 # A corner to push a can into: learned within seconds.

@@ -1,6 +1,6 @@
 import pytest
 
-from habilis.learning.algorithms import PPO
+from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.presets import preset
 from habilis.sweeps.spec import Range, read_spec
 

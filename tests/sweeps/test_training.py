@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from habilis.learning.algorithms import PPO
+from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.config import Config
 from habilis.learning.train import train
 from habilis.sweeps.training import BLOCK, outcomes, tasks_of, train_tasks

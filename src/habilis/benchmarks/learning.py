@@ -12,16 +12,16 @@ from jaxtyping import Array, Float
 from habilis.benchmarks import Result
 from habilis.benchmarks.apart import alternating, measured_apart
 from habilis.benchmarks.plain_jax import make_train
-from habilis.learning import a2c, algorithms
+from habilis.learning.algorithms import a2c
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Lane, Settings, advance
-from habilis.learning.rollout import Context, Place, rollout
+from habilis.learning.rollout import Context, EnvState, rollout
 from habilis.learning.train import train
 from habilis.worlds.world import load_world
 
 RUNS, UPDATES = 10, 250
-A2C = algorithms.A2C()
+A2C = a2c.A2C()
 CONFIG = Config(world="corridor", algorithm=A2C, runs=RUNS, episodes=1_000_000)
 STEPS = RUNS * UPDATES * A2C.envs * A2C.rollout
 """Environment steps of one call of a compiled loop: ten runs side by side."""
@@ -76,7 +76,7 @@ def on_one_processor() -> list[Result]:
         }
     )
     rate, peak = STEPS / seconds["ours"], 2 * 512**3 / seconds["product"]
-    flops = flops_a_step(ours.lanes.learner.parameters)
+    flops = flops_a_step(ours.lanes.train_state.parameters)
     share = {name: seconds[name] / seconds["ours"] for name in ("acting", "drawing")}
     return [
         Result("training, one processor", rate / 1e6, "M steps/s", ON),
@@ -115,24 +115,26 @@ class Loop:
 
     def act(self) -> None:
         """As many rollouts as `train` makes, without learning from them."""
-        learners, places = self.lanes.learner, self.lanes.place
+        train_states, env_states = self.lanes.train_state, self.lanes.env_state
         draws = jnp.broadcast_to(jnp.float32(0.5), (RUNS, UPDATES, A2C.rollout, A2C.envs))
-        jax.block_until_ready(self._act(learners, places, draws))
+        jax.block_until_ready(self._act(train_states, env_states, draws))
 
     @partial(jax.jit, static_argnums=0)
-    def _act(self, learners: Any, places: Place, draws: Float[Array, "lanes updates T E"]):
-        def one_lane(learner, place, draws):
-            context: Any = Context(self.task, A2C, {}, jnp.float32(0), jax.random.key(0), jnp.abs)
-            act = partial(a2c.act, context, learner)
+    def _act(
+        self, train_states: Any, env_states: EnvState, draws: Float[Array, "lanes updates T E"]
+    ):
+        def one_lane(train_state, env_state, draws):
+            context: Any = Context(self.task, jnp.float32(0), jax.random.key(0), jnp.abs)
+            act = partial(A2C.act, context, train_state)
             limit = jnp.float32(CONFIG.episode_limit)
 
-            def update(place, draws):
-                place, passed = rollout(self.task, act, place, limit, draws)
-                return place, passed.transition.sum()
+            def update(env_state, draws):
+                env_state, trajectory = rollout(self.task, act, env_state, limit, draws)
+                return env_state, trajectory.transition.sum()
 
-            return jax.lax.scan(update, place, draws)
+            return jax.lax.scan(update, env_state, draws)
 
-        return jax.vmap(one_lane)(learners, places, draws)
+        return jax.vmap(one_lane)(train_states, env_states, draws)
 
 
 @jax.jit

@@ -120,10 +120,7 @@ def parser() -> argparse.ArgumentParser:
             description=verb.HELP[0].upper() + verb.HELP[1:] + ".",
             epilog=f"example: {verb.EXAMPLE}",
         )
-        added.add_argument("--json", action="store_true", help="print JSON, for machines")
-        verb.add_arguments(added)
-        flags = {a.dest: a.option_strings[0] for a in added._actions if a.option_strings}
-        added.set_defaults(verb=verb.run, flags=flags)
+        added.pending = verb
     return whole
 
 
@@ -135,11 +132,32 @@ class _Parser(argparse.ArgumentParser):
 
 
 class _VerbParser(_Parser):
-    """Refuses what a verb does not take itself, so that the line names the help of the verb."""
+    """Refuses what a verb does not take itself, so that the line names the help of the verb.
+
+    Attributes:
+        pending: the verb, until its arguments are added. That is when they are first needed, since
+            the settings of the algorithms, which `train` has, are in modules that import JAX.
+    """
+
+    pending: Verb | None = None
+
+    def format_help(self) -> str:
+        self._add_arguments()
+        return super().format_help()
+
+    def _add_arguments(self) -> None:
+        if self.pending is None:
+            return
+        verb, self.pending = self.pending, None
+        self.add_argument("--json", action="store_true", help="print JSON, for machines")
+        verb.add_arguments(self)
+        flags = {a.dest: a.option_strings[0] for a in self._actions if a.option_strings}
+        self.set_defaults(verb=verb.run, flags=flags)
 
     def parse_known_args(  # pyright: ignore[reportIncompatibleMethodOverride]
         self, args: Any = None, namespace: Any = None
     ) -> Any:
+        self._add_arguments()
         found, others = super().parse_known_args(args, namespace)
         if others:
             self.error(f"unrecognized arguments: {' '.join(others)}")

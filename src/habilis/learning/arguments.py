@@ -5,7 +5,7 @@ from dataclasses import Field, fields
 from typing import Any
 
 from habilis.learning.algorithms import ALGORITHMS
-from habilis.learning.config import Config
+from habilis.learning.config import DEFAULT, Config
 from habilis.learning.presets import PRESETS, with_preset
 
 _NOT_OPTIONS = ("world", "tool", "algorithm")  # the first two are arguments of many verbs
@@ -25,7 +25,7 @@ def add_config_arguments(parser: argparse.ArgumentParser) -> None:
                 "--algorithm",
                 choices=tuple(ALGORITHMS),
                 default=argparse.SUPPRESS,
-                help="how the agent learns (default a2c)",
+                help=f"how the agent learns (default {DEFAULT})",
             )
         elif f.name not in _NOT_OPTIONS:
             _add(parser, f, f"default {_shown(f.default)}")
@@ -33,7 +33,13 @@ def add_config_arguments(parser: argparse.ArgumentParser) -> None:
     of_algorithms: dict[str, tuple[Field, dict[str, str]]] = {}
     for name, kind in ALGORITHMS.items():
         for f in fields(kind):
-            of_algorithms.setdefault(f.name, (f, {}))[1][name] = _shown(f.default)
+            first, defaults = of_algorithms.setdefault(f.name, (f, {}))
+            if type(f.default) is not type(first.default):
+                raise ValueError(
+                    f"algorithm {name!r}: {f.name} is of another type in {next(iter(defaults))}; "
+                    "rename it"
+                )
+            defaults[name] = _shown(f.default)
     for f, defaults in of_algorithms.values():
         by_default: dict[str, list[str]] = {}
         for name, default in defaults.items():

@@ -6,12 +6,14 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from numbers import Integral
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 
-from habilis.learning.compilation import keep_compiled
+from habilis.cache import cache_folder
+from habilis.files import check_folder
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Log, advance
 from habilis.learning.runs import Gain, Progress, progress
@@ -24,6 +26,8 @@ only so is a run the same whatever trains beside it. More lanes are no faster on
 
 MOST_LANES = 512
 """Runs in one batch on another device, at most, unless another number is asked for."""
+
+_COMPILED = "jax_compilation_cache_dir"
 
 _IN_FLIGHT = 2
 """Batches of one GPU at a time: while one computes, the episodes of the other are summed up."""
@@ -96,7 +100,7 @@ def train_jobs(
         ValueError: `lanes` is no number of lanes.
     """
     check_lanes(lanes)
-    keep_compiled()
+    _keep_compiled()
     source, waiting = iter(jobs), _Waiting()
     devices = jax.devices()
     idle = [devices[i % len(devices)] for i in range(workers())]
@@ -129,7 +133,7 @@ def train_jobs(
                 for job in changed:
                     if not all(record.ended for record in job.records) and stop_job(job):
                         for record in job.records:
-                            record.give_up()
+                            record.stop()
                         waiting.drop(job)
                 for seat in seats:
                     if not seat.job.records[seat.run].ended:
@@ -228,7 +232,7 @@ def _enter(seats: list[Seat], advanced: _Advanced) -> list[Job]:
     changed: dict[int, Job] = {}
     for (job, run), place, gain in zip(seats, advanced.places, advanced.gains, strict=True):
         record = job.records[run]
-        if record.ended:  # given up while it trained
+        if record.ended:  # stopped while it trained
             continue
         if isinstance(gain, NotFiniteError):
             raise gain
@@ -264,3 +268,23 @@ def _not_finite(
         f"{'is' if what == 'loss' else 'are'} not finite at step {step:,}; lower learning_rate or "
         "reward_scale",
     )
+
+
+def _keep_compiled() -> None:
+    """Has JAX keep what it compiles on disk, unless it has been told where to already.
+
+    In `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`. JAX's own settings come first:
+    `JAX_COMPILATION_CACHE_DIR` names another place, `JAX_ENABLE_COMPILATION_CACHE=false` is none.
+    """
+    folder = cache_folder()
+    if getattr(jax.config, _COMPILED) is None and folder is not None and _can_be_written(folder):
+        jax.config.update(_COMPILED, str(folder))
+
+
+def _can_be_written(folder: Path) -> bool:
+    """Where it cannot, JAX would warn of every program."""
+    try:
+        check_folder(folder)
+    except ValueError:
+        return False
+    return True

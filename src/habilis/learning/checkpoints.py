@@ -19,6 +19,12 @@ KEPT = 2
 _PREFIX, _SUFFIX = "checkpoint-", ".npz"
 _ASIDE = "damaged-"
 _DIGEST = hashlib.sha256
+_RENAMED = {
+    "/lane.learner": "/lane.train_state",
+    "/lane.place": "/lane.env_state",
+    "/lane.done": "/lane.counts",
+    "/points": "/metrics",
+}
 
 
 def checkpoints(folder: Path) -> list[Path]:
@@ -96,7 +102,14 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     if _DIGEST(memoryview(content)[:-size]).digest() != content[-size:]:
         raise ValueError("its checksum is another")
     with np.load(io.BytesIO(content)) as saved:
-        return {name: saved[name] for name in saved.files}
+        return {_name(name): saved[name] for name in saved.files}
+
+
+def _name(saved: str) -> str:
+    """The name of an array, as it is now; earlier editions had others for some parts."""
+    for before, now in _RENAMED.items():
+        saved = saved.replace(before, now)
+    return saved
 
 
 def _arrays(job: Job) -> dict[str, np.ndarray]:
@@ -106,7 +119,7 @@ def _arrays(job: Job) -> dict[str, np.ndarray]:
             arrays[f"{run}/lane{jax.tree_util.keystr(path)}"] = np.asarray(leaf)
         arrays[f"{run}/running"] = record.running
         arrays[f"{run}/episodes"] = record.episodes()
-        arrays[f"{run}/points"] = record.points()
+        arrays[f"{run}/metrics"] = record.metrics()
         arrays[f"{run}/steps"] = np.int64(record.steps)
     return arrays
 
@@ -117,15 +130,15 @@ def _enter(job: Job, arrays: dict[str, np.ndarray]) -> None:
     for run, record in enumerate(job.records):
         like, structure = jax.tree_util.tree_flatten_with_path(job.start(run))
         leaves = [arrays[f"{run}/lane{jax.tree_util.keystr(path)}"] for path, _ in like]
-        parts = [arrays[f"{run}/{name}"] for name in ("running", "episodes", "points")]
-        running, episodes, points = parts
-        wanted = [record.running, record.episodes()[:0], record.points()[:0]]
-        there = [*leaves, running, episodes[:0], points[:0]]
+        parts = [arrays[f"{run}/{name}"] for name in ("running", "episodes", "metrics")]
+        running, episodes, metrics = parts
+        wanted = [record.running, record.episodes()[:0], record.metrics()[:0]]
+        there = [*leaves, running, episodes[:0], metrics[:0]]
         for array, model in zip(there, [leaf for _, leaf in like] + wanted, strict=True):
             if array.shape != model.shape or array.dtype != model.dtype:
                 raise ValueError(f"run {run} has an array {array.dtype}{array.shape}")
         lanes[run] = jax.tree_util.tree_unflatten(structure, leaves)
         entries.append((record, int(arrays[f"{run}/steps"]), *parts))
     job.lanes.update(lanes)
-    for record, steps, running, episodes, points in entries:
-        record.restore(steps, running, episodes, points)
+    for record, steps, running, episodes, metrics in entries:
+        record.restore(steps, running, episodes, metrics)

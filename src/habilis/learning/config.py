@@ -1,12 +1,15 @@
-"""What a training run is made of."""
+"""The configuration of a training run."""
 
 from dataclasses import dataclass, field, fields
 from typing import Any
 
 from habilis.checks import as_in, at_least, check_types, one_of, setting, share
-from habilis.learning.algorithms import A2C, ALGORITHMS, Algorithm, name_of
+from habilis.learning.algorithms import ALGORITHMS
+from habilis.learning.algorithms.protocol import Algorithm
 from habilis.rewards.shaping import Bonus
 
+DEFAULT = "a2c"
+"""The algorithm where none is named."""
 NO_INTRINSIC = "none"
 COUNT, DISTILLATION = "count", "rnd"
 NOVELTIES = (COUNT, DISTILLATION)
@@ -40,7 +43,9 @@ class Config:
         'takes the place of the map\'s own tools: "picker", "broom", "rake", "stick", "magnet", '
         '"none" or "FILE.py:CLASS"',
     )
-    algorithm: Algorithm = field(default=A2C(), metadata={"help": "how the agent learns"})
+    algorithm: Algorithm = field(
+        default_factory=lambda: ALGORITHMS[DEFAULT](), metadata={"help": "how the agent learns"}
+    )
     intrinsic: str = setting(
         NO_INTRINSIC,
         'what is added to the reward: the empowerment through "state" or a factor\'s name, or sums '
@@ -56,9 +61,9 @@ class Config:
     extrinsic: bool = as_in(Bonus, "extrinsic")
     runs: int = setting(10, "independent runs")
     seed: int = setting(0, "where the runs' random numbers start")
-    episodes: int = setting(100_000, "episodes after which a run is given up")
+    episodes: int = setting(100_000, "budget of episodes, after which a run ends")
     steps: int = setting(
-        100_000_000, "environment steps after which a run is given up (looked at every 20,000)"
+        100_000_000, "budget of environment steps, after which a run ends (checked every 20,000)"
     )
     episode_limit: int = setting(500, "steps after which an episode is cut off (truncated)")
     limit_is_terminal: bool = setting(
@@ -68,7 +73,7 @@ class Config:
     )
     observation: str = setting(
         ONE_HOT,
-        'what networks are shown of a state: its factors, each "one-hot", or "coordinates" from '
+        'what networks observe of a state: its factors, each "one-hot", or "coordinates" from '
         "-1 to 1",
     )
     slip: float = setting(
@@ -84,8 +89,7 @@ class Config:
 
     def __post_init__(self) -> None:
         check_types(self)
-        if not isinstance(self.algorithm, Algorithm):
-            raise ValueError(f"algorithm is {self.algorithm!r}; give one, such as A2C()")
+        algorithm = ALGORITHMS.name_of(self.algorithm)
         if self.tool is not None and not isinstance(self.tool, str):
             raise ValueError(f"tool is {self.tool!r}; give its name")
         at_least(self, horizon=0, runs=1, seed=0, episodes=1, steps=1, episode_limit=1)
@@ -97,6 +101,12 @@ class Config:
             )
         share(self, "slip")
         one_of(self, "observation", OBSERVATIONS)
+        for name in self.algorithm.ignores:
+            if getattr(self, name) != _DEFAULTS[name]:
+                raise ValueError(
+                    f"{name} is {getattr(self, name)!r}, which plays no part in {algorithm}; leave "
+                    f"it at {_DEFAULTS[name]!r}, or choose another algorithm"
+                )
         _ = self.bonus  # which refuses what is out of its range
         if self.seed >= 2**32:
             raise ValueError(f"seed is {self.seed}; give one below {2**32}")
@@ -118,7 +128,7 @@ class Config:
             )
         if self.regularised and self.intrinsic not in NOVELTIES and self.horizon < 1:
             raise ValueError(
-                f"intrinsic is {self.intrinsic!r} and horizon 0, which is worth nothing; give a "
+                f"intrinsic is {self.intrinsic!r} and horizon 0, so it is 0 everywhere; give a "
                 "horizon of at least 1"
             )
 
@@ -136,7 +146,7 @@ class Config:
         """All fields as plain values, those of the algorithm among them."""
         own = {f.name: getattr(self, f.name) for f in fields(self)}
         learner = {f.name: getattr(self.algorithm, f.name) for f in fields(self.algorithm)}
-        return own | {"algorithm": name_of(self.algorithm)} | learner
+        return own | {"algorithm": ALGORITHMS.name_of(self.algorithm)} | learner
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> "Config":
@@ -152,7 +162,7 @@ class Config:
         Raises:
             ValueError: a field does not exist, or its value is out of range.
         """
-        name = values.get("algorithm", "a2c")
+        name = values.get("algorithm", DEFAULT)
         if not isinstance(name, str) or name not in ALGORITHMS:
             raise ValueError(f"algorithm {name!r} is unknown; use one of {', '.join(ALGORITHMS)}")
         kind = ALGORITHMS[name]
@@ -190,6 +200,19 @@ class Config:
         if values.get("algorithm", kept["algorithm"]) != kept["algorithm"]:
             kept = {f.name: kept[f.name] for f in fields(self)}
         return type(self).from_dict(kept | values)
+
+
+def without_ignored(values: dict[str, Any]) -> dict[str, Any]:
+    """Plain values, with the default for what plays no part in the algorithm.
+
+    Editions before this one saved other values of such settings, which did nothing.
+    """
+    name = values.get("algorithm", DEFAULT)
+    ignored = ALGORITHMS[name].ignores if name in ALGORITHMS else ()
+    return values | {field: _DEFAULTS[field] for field in ignored}
+
+
+_DEFAULTS = {f.name: f.default for f in fields(Config)}
 
 
 def _has(kind: Any, name: str) -> bool:

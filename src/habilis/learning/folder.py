@@ -25,7 +25,7 @@ import polars as pl
 
 from habilis.files import check_path, check_unused, write_whole, writing
 from habilis.learning import checkpoints
-from habilis.learning.config import NO_INTRINSIC, Config
+from habilis.learning.config import NO_INTRINSIC, Config, without_ignored
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.runs import Run
 from habilis.worlds.own_tools import OwnToolError
@@ -207,7 +207,7 @@ def load_latest(folder: str | Path) -> Run:
 def _config(path: Path) -> tuple[Config, dict[str, str]]:
     values = json.loads(path.read_text())
     named = values.pop("map", {})
-    config = Config.from_dict(values)
+    config = Config.from_dict(without_ignored(values))
     if not all(isinstance(named.get(key), str) for key in ("name", "tool")):
         raise ValueError("map has no name or tool")
     return config, named
@@ -265,7 +265,7 @@ def _episodes(path: Path) -> pl.DataFrame:
 
 def _parameters(path: Path, config: Config, world: World) -> Any:
     model = Job.of(0, replace(config, intrinsic=NO_INTRINSIC, horizon=0, beta=0.0), world).start(0)
-    like, structure = jax.tree_util.tree_flatten_with_path(model.learner.parameters)
+    like, structure = jax.tree_util.tree_flatten_with_path(model.train_state.parameters)
     with path.open("rb") as file, np.load(file) as saved:
         leaves = [saved[f"parameters{jax.tree_util.keystr(name)}"] for name, _ in like]
     for (name, leaf), array in zip(like, leaves, strict=True):

@@ -12,7 +12,7 @@ from habilis.empowerment import empowerment
 from habilis.empowerment.combined import check_names
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.networks import Network
-from habilis.learning.rollout import Numbers
+from habilis.learning.rollout import Hyperparams
 from habilis.learning.task import Task
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
@@ -66,8 +66,8 @@ def weights(config: Config) -> dict[str, float]:
     return config.bonus.numbers(config.algorithm.discount)
 
 
-def start(kind: str, task: Task, rows: int, key: PRNGKeyArray) -> Any:
-    """What a reward that changes while it is earned keeps."""
+def init(kind: str, task: Task, rows: int, key: PRNGKeyArray) -> Any:
+    """The state of a reward that changes while it is earned."""
     if kind == COUNT:
         return jnp.zeros(task.states)
     if kind == DISTILLATION:
@@ -80,55 +80,56 @@ def start(kind: str, task: Task, rows: int, key: PRNGKeyArray) -> Any:
 
 
 def values(
-    kind: str, kept: Any, table: Float[Array, "S"], task: Task, states: Int[Array, "*n"]
+    kind: str, novelty: Any, table: Float[Array, "S"], task: Task, states: Int[Array, "*n"]
 ) -> Float[Array, "*n"]:
     """M of some states."""
     if kind == COUNT:
-        return jax.lax.rsqrt(kept[states] + 1)
+        return jax.lax.rsqrt(novelty[states] + 1)
     if kind == DISTILLATION:
-        return _distance(kept.predictor, kept.target, task.inputs[states]) * jax.lax.rsqrt(
-            kept.scale + 1e-8
+        return _distance(novelty.predictor, novelty.target, task.inputs[states]) * jax.lax.rsqrt(
+            novelty.scale + 1e-8
         )
     return table[states]
 
 
 def visited(
     kind: str,
-    kept: Any,
+    novelty: Any,
     task: Task,
     states: Int[Array, "T E"],
-    made: Bool[Array, "T E"] | None = None,
+    mask: Bool[Array, "T E"] | None = None,
 ) -> Any:
-    """What is kept after these states were entered, by the steps that were made."""
-    flat = None if made is None else made.reshape(-1)
+    """That state after these states of the table were entered, by the steps that were made."""
+    flat = None if mask is None else mask.reshape(-1)
     if kind == COUNT:
-        return kept.at[states.reshape(-1)].add(1.0 if flat is None else flat.astype(kept.dtype))
+        visits = 1.0 if flat is None else flat.astype(novelty.dtype)
+        return novelty.at[states.reshape(-1)].add(visits)
     if kind == DISTILLATION:
         inputs = task.inputs[states.reshape(-1)]
 
         def loss(predictor: Network) -> tuple[Float[Array, ""], Float[Array, "n"]]:
-            distance = _distance(predictor, kept.target, inputs)
+            distance = _distance(predictor, novelty.target, inputs)
             return distance.mean(where=flat), distance
 
-        gradient, distance = jax.grad(loss, has_aux=True)(kept.predictor)
-        change, optimizer = _optimizer().update(gradient, kept.optimizer)
-        scale = _MEMORY * kept.scale + (1 - _MEMORY) * jnp.square(distance).mean(where=flat)
-        predictor = jax.tree.map(jnp.add, kept.predictor, change)
-        return Distillation(kept.target, predictor, optimizer, scale)
-    return kept
+        gradient, distance = jax.grad(loss, has_aux=True)(novelty.predictor)
+        change, optimizer = _optimizer().update(gradient, novelty.optimizer)
+        scale = _MEMORY * novelty.scale + (1 - _MEMORY) * jnp.square(distance).mean(where=flat)
+        predictor = jax.tree.map(jnp.add, novelty.predictor, change)
+        return Distillation(novelty.target, predictor, optimizer, scale)
+    return novelty
 
 
 def reward(
-    numbers: Numbers,
+    hyperparams: Hyperparams,
     extrinsic: Float[Array, "*n"],
     of_next: Float[Array, "*n"],
     of_current: Float[Array, "*n"],
     terminated: Array,
-    taken: Float[Array, ""],
+    global_step: Float[Array, ""],
 ) -> Float[Array, "*n"]:
-    """What the agent learns from, after so many environment steps: `regularised`, scaled."""
-    worth = regularised(numbers, extrinsic, of_next, of_current, terminated, taken, jnp)
-    return numbers["reward_scale"] * worth
+    """The reward that the agent learns from, after so many environment steps, scaled."""
+    whole = regularised(hyperparams, extrinsic, of_next, of_current, terminated, global_step, jnp)
+    return hyperparams["reward_scale"] * whole
 
 
 def _distance(one: Network, other: Network, inputs: Int[Array, "*n factors"]):

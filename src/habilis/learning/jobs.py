@@ -1,4 +1,4 @@
-"""Configurations made ready for training."""
+"""Configurations, ready to be trained."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,14 +11,13 @@ from jaxtyping import Float
 
 from habilis.cache import fingerprint
 from habilis.learning import intrinsic
-from habilis.learning.algorithms import A2C, PPO
 from habilis.learning.config import NO_INTRINSIC, Config
 from habilis.learning.episodes import Ledger
-from habilis.learning.ground import KEPT, Conditions, best_return, ground
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
 from habilis.learning.stacks import InStack
 from habilis.learning.task import Task, make_task, roomy
+from habilis.learning.training_problem import KEPT, Conditions, best_return, training_problem
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World, load_world
 
@@ -28,7 +27,7 @@ STRETCH = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """A configuration, made ready, and what its runs have come to.
+    """A configuration, ready to be trained, and how far its runs have come.
 
     Attributes:
         index: its place among those trained together.
@@ -62,7 +61,7 @@ class Job:
         world: World | None = None,
         numbers: Sequence[int] | None = None,
     ) -> "Job":
-        """Makes a configuration ready.
+        """A configuration, ready to be trained.
 
         Args:
             index: its place among those trained together.
@@ -75,7 +74,7 @@ class Job:
         """
         world = load_world(config.world, config.tool) if world is None else world
         conditions = Conditions.of(config)
-        mdp = ground(world, conditions).mdp
+        mdp = training_problem(world, conditions).mdp
         intrinsic.check_sensors(mdp, config.intrinsic)
         ledger = _ledger(world, conditions)
         numbers = tuple(range(config.runs) if numbers is None else numbers)
@@ -91,9 +90,8 @@ class Job:
 
     @cached_property
     def task(self) -> tuple[Task, int]:
-        # What has a value for each state of its own would learn of those that are not there.
-        networks = isinstance(self.config.algorithm, A2C | PPO)
-        with_room = networks and self.config.starts > 0
+        # A table of values would have some for states that nobody comes to.
+        with_room = self.config.starts > 0 and not self.config.algorithm.tabular
         return _task(self.world, self.conditions, with_room, self.config.observation)
 
     @cached_property
@@ -125,7 +123,7 @@ class Job:
 
     def result(self) -> Run:
         """What training gave, when all runs have ended."""
-        learned = [self.lane(run).learner.parameters for run in range(len(self.records))]
+        learned = [self.lane(run).train_state.parameters for run in range(len(self.records))]
         return Run(
             config=self.config,
             world=self.world,
@@ -141,7 +139,7 @@ class Job:
 
 @lru_cache(KEPT)
 def _ledger(world: World, conditions: Conditions) -> Ledger:
-    return Ledger.of(ground(world, conditions).mdp)
+    return Ledger.of(training_problem(world, conditions).mdp)
 
 
 def digest_of_own_tool(world: World) -> str | None:
@@ -154,7 +152,7 @@ def digest_of_own_tool(world: World) -> str | None:
     """
     if not world.own_tools:
         return None
-    mdp = ground(world).mdp
+    mdp = training_problem(world).mdp
     return fingerprint(mdp.transitions, *mdp.factors.values(), *mdp.flags.values())[:32]
 
 
@@ -162,8 +160,9 @@ def digest_of_own_tool(world: World) -> str | None:
 def _task(
     world: World, conditions: Conditions, with_room: bool, observation: str
 ) -> tuple[Task, int]:
-    on = ground(world, conditions)
-    task, rows = make_task(on.mdp, on.seen if conditions.starts else None, observation)
+    problem = training_problem(world, conditions)
+    initial = problem.seen if conditions.starts else None
+    task, rows = make_task(problem.mdp, initial, observation)
     return roomy(task) if with_room else task, rows
 
 
@@ -173,6 +172,6 @@ def _values(
 ) -> Float[np.ndarray, "S"]:
     weight = float(intrinsic_reward != NO_INTRINSIC)
     config = Config(intrinsic=intrinsic_reward, horizon=horizon, beta=weight)
-    table = intrinsic.value_table(ground(world, conditions).mdp, config)
+    table = intrinsic.value_table(training_problem(world, conditions).mdp, config)
     table.flags.writeable = False
     return table

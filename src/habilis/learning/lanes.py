@@ -1,8 +1,7 @@
 """Runs side by side: one is a lane of a `vmap`, and all of it is compiled."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from functools import partial
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import jax
@@ -10,26 +9,18 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Key, PRNGKeyArray, UInt32
 
-from habilis.learning import a2c, intrinsic, ppo, q_learning, soft_values
-from habilis.learning.algorithms import ALGORITHMS, Algorithm, name_of
+from habilis.learning import intrinsic
+from habilis.learning.algorithms.protocol import Algorithm, bound, hyperparams_of, static_part
 from habilis.learning.config import Config
 from habilis.learning.rollout import (
     Context,
+    EnvState,
     Experience,
-    Numbers,
-    Place,
+    Hyperparams,
     rollout,
     whole_episodes,
 )
 from habilis.learning.task import Task
-
-_MODULES: dict[str, ModuleType] = {
-    "a2c": a2c,
-    "ppo": ppo,
-    "q-learning": q_learning,
-    "soft-value-iteration": soft_values,
-}
-assert _MODULES.keys() == ALGORITHMS.keys()
 
 
 @dataclass(frozen=True)
@@ -41,35 +32,28 @@ class Program:
         intrinsic: the kind of intrinsic reward, "table", "count" or "rnd".
         rows: how many rows the first weights of a network have.
         updates: in one stretch of training.
-        steps_between: steps of each environment between two updates, at most.
+        rollout_length: steps of each environment between two updates, at most.
     """
 
     algorithm: Algorithm
     intrinsic: str
     rows: int
     updates: int
-    steps_between: int
+    rollout_length: int
 
     @classmethod
     def of(cls, config: Config, rows: int, steps: int) -> "Program":
         """The program of a configuration, with about so many environment steps a stretch."""
         algorithm = config.algorithm
-        default = type(algorithm)()
-        free = {f.name: getattr(default, f.name) for f in _dynamic(algorithm)}
-        between = algorithm.rollout or config.episode_limit
-        updates = max(1, steps // (algorithm.envs * between))
-        fixed = replace(algorithm, **free)
-        return cls(fixed, intrinsic.kind_of(config), rows, updates, between)
-
-    @property
-    def module(self) -> ModuleType:
-        """`start`, `act`, `learn` and `preferences` of its algorithm."""
-        return _MODULES[name_of(self.algorithm)]
+        length = algorithm.rollout or config.episode_limit
+        updates = max(1, steps // (algorithm.envs * length))
+        kind = intrinsic.kind_of(config)
+        return cls(static_part(algorithm), kind, rows, updates, length)
 
     @property
     def steps(self) -> int:
         """Environment steps of one lane in a stretch, at most."""
-        return self.updates * self.algorithm.envs * self.steps_between
+        return self.updates * self.algorithm.envs * self.rollout_length
 
     @property
     def whole_episodes(self) -> bool:
@@ -78,9 +62,8 @@ class Program:
 
     @property
     def counts(self) -> bool:
-        """Whether what was done has to be counted, since updates do not tell."""
-        by_episodes = getattr(self.algorithm, "schedule", "steps") == "episodes"
-        return self.whole_episodes or by_episodes
+        """Whether steps and episodes have to be counted, since updates do not tell."""
+        return self.whole_episodes or self.algorithm.counts_episodes
 
 
 class Settings(NamedTuple):
@@ -88,11 +71,11 @@ class Settings(NamedTuple):
 
     table: Float[Array, "S"]
     """M, the intrinsic value of every state, where it is a table."""
-    numbers: Numbers
+    hyperparams: Hyperparams
 
 
-class Count(NamedTuple):
-    """What a lane has done so far."""
+class Counts(NamedTuple):
+    """Steps made and episodes ended so far."""
 
     steps: Int[Array, ""]
     episodes: Int[Array, ""]
@@ -101,20 +84,20 @@ class Count(NamedTuple):
 class Lane(NamedTuple):
     """All that changes while one run learns."""
 
-    learner: Any
+    train_state: Any
     """The algorithm's: `parameters`, and what else it needs."""
     novelty: Any
-    """What an intrinsic reward keeps that changes while it is earned."""
-    place: Place
+    """The state of an intrinsic reward that changes while it is earned."""
+    env_state: EnvState
     key: UInt32[Array, "2"]
     """The data of the key from which all its random numbers come."""
     updates: Int[Array, ""]
-    done: Count | tuple[()] = ()
-    """What it did, where a program counts it."""
+    counts: Counts | tuple[()] = ()
+    """Where a program counts."""
 
 
 class Log(NamedTuple):
-    """What a stretch of training tells."""
+    """The transitions and losses of a stretch of training."""
 
     transition: Int[Array, "updates T E"]
     """-1 where no step was made."""
@@ -123,14 +106,13 @@ class Log(NamedTuple):
 
 
 def settings_of(config: Config, table: Float[np.ndarray, "S"]) -> Settings:
-    """A configuration's numbers as the compiled loop wants them."""
-    algorithm = config.algorithm
-    numbers = {f.name: getattr(algorithm, f.name) for f in _dynamic(algorithm)}
-    numbers |= intrinsic.weights(config) | {
+    """The hyperparameters of a configuration as the compiled loop wants them."""
+    hyperparams = hyperparams_of(config.algorithm) | intrinsic.weights(config)
+    hyperparams |= {
         "episode_limit": config.episode_limit,
         "limit_is_terminal": config.limit_is_terminal,
     }
-    arrays: Any = {name: np.float32(number) for name, number in numbers.items()}
+    arrays: Any = {name: np.float32(number) for name, number in hyperparams.items()}
     values: Any = table.astype(np.float32)
     return Settings(values, arrays)
 
@@ -146,12 +128,12 @@ def start_lanes(task: Task, program: Program, keys: Key[Array, "L"]) -> Lane:
             jnp.full(envs, task.start) if task.start.ndim == 0 else _first(task, for_acting, envs)
         )
         return Lane(
-            learner=program.module.start(task, program.rows, program.algorithm, for_learner),
-            novelty=intrinsic.start(program.intrinsic, task, program.rows, for_novelty),
-            place=Place(begin, jnp.zeros(envs, jnp.int32)),
+            train_state=program.algorithm.init(task, program.rows, for_learner),
+            novelty=intrinsic.init(program.intrinsic, task, program.rows, for_novelty),
+            env_state=EnvState(begin, jnp.zeros(envs, jnp.int32)),
             key=jax.random.key_data(for_acting),
             updates=jnp.int32(0),
-            done=Count(jnp.int32(0), jnp.int32(0)) if program.counts else (),
+            counts=Counts(jnp.int32(0), jnp.int32(0)) if program.counts else (),
         )
 
     return jax.vmap(one_lane)(keys)
@@ -174,20 +156,20 @@ def advance(task: Task, settings: Settings, lanes: Lane, program: Program) -> tu
     def one_lane(settings: Settings, lane: Lane) -> tuple[Lane, Log]:
         # All random numbers of a stretch at once: drawn one by one they cost as much as acting.
         stretch = jax.random.fold_in(jax.random.wrap_key_data(lane.key), lane.updates)
-        shape = (program.updates, program.steps_between, algorithm.envs)
+        shape = (program.updates, program.rollout_length, algorithm.envs)
         draws = jax.random.uniform(stretch, shape)
         several = task.start.ndim > 0
-        picks = jax.random.uniform(jax.random.fold_in(stretch, 1), shape) if several else None
+        starts = jax.random.uniform(jax.random.fold_in(stretch, 1), shape) if several else None
         stochastic = task.transitions.outcomes > 1
         noise = jax.random.uniform(jax.random.fold_in(stretch, 3), shape) if stochastic else None
-        drawn = draws, picks, noise
+        drawn = draws, starts, noise
         return jax.lax.scan(partial(_update, task, settings, program), lane, drawn)
 
     return jax.vmap(one_lane)(settings, lanes)
 
 
 def _first(task: Task, key: PRNGKeyArray, envs: int) -> Int[Array, "E"]:
-    """Where the first episodes begin, if there are several starts."""
+    """Where the first episodes begin, if there are several initial states."""
     before = jax.random.fold_in(jax.random.fold_in(key, 0), 2)  # no key of any stretch
     return task.begin(jax.random.uniform(before, (envs,)))
 
@@ -196,70 +178,65 @@ def _update(
     task: Task, settings: Settings, program: Program, lane: Lane, drawn: tuple
 ) -> tuple[Lane, Log]:
     """One rollout, and what is learned from it."""
-    draws, picks, noise = drawn
-    taken = lane.updates.astype(jnp.float32) * draws.size
+    draws, starts, noise = drawn
+    hyperparams = settings.hyperparams
+    global_step = lane.updates.astype(jnp.float32) * draws.size
     episodes: Any = 0.0
-    if isinstance(lane.done, Count):
-        taken, episodes = (number.astype(jnp.float32) for number in lane.done)
+    if isinstance(lane.counts, Counts):
+        global_step, episodes = (number.astype(jnp.float32) for number in lane.counts)
 
     def value(states: Int[Array, "*n"]) -> Float[Array, "*n"]:
         return intrinsic.values(program.intrinsic, lane.novelty, settings.table, task, states)
 
-    def worth(transition: Int[Array, "*n"]) -> Float[Array, "*n"]:
+    def reward_fn(transition: Int[Array, "*n"]) -> Float[Array, "*n"]:
         return intrinsic.reward(
-            settings.numbers,
+            hyperparams,
             task.transitions.reward[transition],
             value(task.transitions.next_state[transition]),
             value(task.state_of(transition)),
             task.terminated(transition),
-            taken,
+            global_step,
         )
 
+    algorithm = bound(program.algorithm, hyperparams)
     context = Context(
         task=task,
-        algorithm=program.algorithm,
-        numbers=settings.numbers,
-        taken=taken,
+        global_step=global_step,
         key=jax.random.fold_in(jax.random.wrap_key_data(lane.key), -1 - lane.updates),
-        worth=worth,
+        reward_fn=reward_fn,
         episodes=episodes,
     )
-    module = program.module
-    place, passed = (whole_episodes if program.whole_episodes else rollout)(
+    env_state, trajectory = (whole_episodes if program.whole_episodes else rollout)(
         task,
-        partial(module.act, context, lane.learner),
-        lane.place,
-        settings.numbers["episode_limit"],
+        partial(algorithm.act, context, lane.train_state),
+        lane.env_state,
+        hyperparams["episode_limit"],
         draws,
-        picks,
+        starts,
         noise,
     )
-    terminated = task.terminated(passed.transition)
-    cut_off = passed.truncated
-    terminal = cut_off & (settings.numbers["limit_is_terminal"] > 0)
+    terminated = task.terminated(trajectory.transition)
+    truncated = trajectory.truncated
+    terminal = truncated & (hyperparams["limit_is_terminal"] > 0)
     experience = Experience(
-        state=passed.state,
-        action=task.action_of(passed.transition),
-        reached=task.transitions.next_state[passed.transition],
-        reward=worth(passed.transition),
+        state=trajectory.state,
+        action=task.action_of(trajectory.transition),
+        next_state=task.transitions.next_state[trajectory.transition],
+        reward=reward_fn(trajectory.transition),
         terminated=terminated | terminal,
-        truncated=cut_off & ~terminal,
-        kept=passed.kept,
-        now=place.state,
-        made=passed.made,
+        truncated=truncated & ~terminal,
+        aux=trajectory.aux,
+        last_state=env_state.state,
+        mask=trajectory.mask,
     )
-    learner, loss = module.learn(context, lane.learner, experience)
+    train_state, loss = algorithm.update(context, lane.train_state, experience)
     novelty = intrinsic.visited(
-        program.intrinsic, lane.novelty, task, experience.reached, experience.made
+        program.intrinsic, lane.novelty, task, experience.next_state, experience.mask
     )
-    done = lane.done
-    if isinstance(done, Count):
-        made = passed.transition >= 0
-        ended = made & (terminated | cut_off)
-        done = Count(done.steps + made.sum(), done.episodes + ended.sum())
-    after = Lane(learner, novelty, place, lane.key, lane.updates + 1, done)
-    return after, Log(passed.transition, cut_off, loss)
-
-
-def _dynamic(algorithm: Algorithm):
-    return [f for f in fields(algorithm) if not f.metadata["static"]]
+    counts = lane.counts
+    if isinstance(counts, Counts):
+        made = trajectory.transition >= 0
+        ended = made & (terminated | truncated)
+        counts = Counts(counts.steps + made.sum(), counts.episodes + ended.sum())
+    after = Lane(train_state, novelty, env_state, lane.key, lane.updates + 1, counts)
+    return after, Log(trajectory.transition, truncated, loss)

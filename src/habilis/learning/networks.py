@@ -24,6 +24,9 @@ ACTIVATIONS: dict[str, tuple[Callable[[Array], Array], Callable[[Array], Array],
 """Each activation, its derivative in terms of what it gives out, and the gain that PyTorch's
 `calculate_gain` recommends for orthogonal weights."""
 
+NETWORKS = ("shared", "separate")
+INITIALISATIONS = ("lecun", "orthogonal", "pytorch")
+
 Inputs = Int[Array, "*batch factors"] | Float[Array, "*batch coordinates"]
 """Rows of the first layer's weights, for one-hot factors, or coordinates."""
 
@@ -187,6 +190,10 @@ class Separate(eqx.Module):
         )
 
 
+ActorCritic = Network | Separate
+"""A network whose outputs are the logits of the actions, then the value."""
+
+
 def actor_critic_network(
     kind: str,
     rows: int,
@@ -196,7 +203,7 @@ def actor_critic_network(
     key: PRNGKeyArray,
     activation: str,
     initialisation: str,
-) -> Network | Separate:
+) -> ActorCritic:
     """A network with the logits of the actions and the value as its outputs.
 
     Args:

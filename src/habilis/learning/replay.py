@@ -1,16 +1,20 @@
-"""What an agent learned, acted out."""
+"""Episodes of a trained agent, and what it learned of every state."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
-from habilis.learning.algorithms import A2C, PPO, SoftValueIteration
-from habilis.learning.ground import Conditions, expected_returns, ground, success_rate
-from habilis.learning.lanes import Program
 from habilis.learning.runs import Run
 from habilis.learning.task import make_task
+from habilis.learning.training_problem import (
+    Conditions,
+    expected_returns,
+    success_rate,
+    training_problem,
+)
 from habilis.mdp import TabularMDP
 from habilis.transitions import Transitions
 from habilis.worlds.plans import solve
@@ -35,7 +39,7 @@ class Episode:
 
 def table_of(run: Run) -> TabularMDP:
     """The table that a run learned on."""
-    return ground(run.world, Conditions.of(run.config)).mdp
+    return training_problem(run.world, Conditions.of(run.config)).mdp
 
 
 class Success(NamedTuple):
@@ -66,7 +70,7 @@ def success(run: Run, index: int = 0) -> Success:
         ValueError: there is no such run.
     """
     _check_index(run, index)
-    mdp, seen, unseen, _ = ground(run.world, Conditions.of(run.config))
+    mdp, seen, unseen, _ = training_problem(run.world, Conditions.of(run.config))
     policy = greedy_actions(run, mdp, index)
     limit = run.config.episode_limit
     return Success(
@@ -83,10 +87,9 @@ def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
         mdp: the table of its world.
         index: which of its runs.
     """
-    parameters = jax.tree.map(lambda leaf: leaf[index], run.parameters)
-    task, rows = make_task(mdp, observation=run.config.observation)
-    module = Program.of(run.config, rows, 1).module
-    return np.asarray(module.preferences(task, parameters).argmax(axis=-1))
+    task, _ = make_task(mdp, observation=run.config.observation)
+    policy = run.config.algorithm.policy(task, _parameters(run, index))
+    return np.asarray(policy.argmax(axis=-1))
 
 
 def learned(run: Run, mdp: TabularMDP, index: int) -> tuple[np.ndarray, np.ndarray]:
@@ -102,18 +105,14 @@ def learned(run: Run, mdp: TabularMDP, index: int) -> tuple[np.ndarray, np.ndarr
         what it explores), and float[S], the value: the discounted sum of rewards that it expects,
         intrinsic ones included.
     """
-    algorithm = run.config.algorithm
-    parameters = jax.tree.map(lambda leaf: leaf[index], run.parameters)
-    task, rows = make_task(mdp, observation=run.config.observation)
-    wanted = Program.of(run.config, rows, 1).module.preferences(task, parameters)
-    if isinstance(algorithm, A2C | PPO):
-        policy, values = jax.nn.softmax(wanted), parameters(task.inputs)[:, -1]
-    elif isinstance(algorithm, SoftValueIteration):
-        policy = jax.nn.softmax(wanted / algorithm.temperature)
-        values = jax.nn.logsumexp(wanted / algorithm.temperature, -1) * algorithm.temperature
-    else:
-        policy, values = jax.nn.one_hot(wanted.argmax(-1), mdp.action_count), wanted.max(-1)
+    algorithm, parameters = run.config.algorithm, _parameters(run, index)
+    task, _ = make_task(mdp, observation=run.config.observation)
+    policy, values = algorithm.policy(task, parameters), algorithm.values(task, parameters)
     return np.asarray(policy), np.asarray(values) / algorithm.reward_scale
+
+
+def _parameters(run: Run, index: int) -> Any:
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf[index]), run.parameters)
 
 
 def best_return_from(run: Run, start: int) -> float | None:

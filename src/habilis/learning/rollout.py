@@ -10,121 +10,123 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.learning.task import Task
 
-_TOGETHER = 5  # more steps compile longer and run no faster
+_UNROLL = 5  # more steps compile longer and run no faster
 
-Numbers = dict[str, Float[Array, ""]]
+Hyperparams = dict[str, Float[Array, ""]]
 """The settings that are no part of the compiled program, by their names."""
 
 
 @dataclass(frozen=True)
 class Context:
-    """What an algorithm is told besides its own state, in one update of one lane."""
+    """What an algorithm knows besides its settings and its train state, in one update of a lane.
+
+    Attributes:
+        task: the table.
+        global_step: environment steps so far.
+        key: for random numbers of the update.
+        reward_fn: the reward to learn from, extrinsic and intrinsic, of any transitions.
+        episodes: that have ended so far, where the algorithm counts them.
+    """
 
     task: Task
-    algorithm: Any
-    """The settings that the compiled program depends on."""
-    numbers: Numbers
-    """All others."""
-    taken: Float[Array, ""]
-    """Environment steps so far."""
+    global_step: Float[Array, ""]
     key: PRNGKeyArray
-    worth: Callable[[Int[Array, "*n"]], Float[Array, "*n"]]
-    """The reward to learn from, intrinsic and extrinsic, of any transitions."""
-    episodes: Any = 0.0
-    """Episodes that have ended so far, where something is scheduled by them."""
+    reward_fn: Callable[[Int[Array, "*n"]], Float[Array, "*n"]]
+    episodes: Float[Array, ""] | float = 0.0
 
 
-class Place(NamedTuple):
+class EnvState(NamedTuple):
     """Where E environments are: the state, and the steps of the running episode."""
 
     state: Int[Array, "E"]
     steps: Int[Array, "E"]
 
 
-class Passed(NamedTuple):
+class Trajectory(NamedTuple):
     """T steps of E environments."""
 
     state: Int[Array, "T E"]
     transition: Int[Array, "T E"]
     truncated: Bool[Array, "T E"]
-    kept: Any
-    """What the policy wants to remember of each decision."""
-    made: Bool[Array, "T E"] | None = None
+    aux: Any
+    """What the policy remembers of each decision."""
+    mask: Bool[Array, "T E"] | None = None
     """Which of the steps were made; `None`: all."""
 
 
 class Experience(NamedTuple):
-    """What an algorithm learns from: a rollout, and what it was worth."""
+    """What an algorithm learns from: a trajectory, and its rewards."""
 
     state: Int[Array, "T E"]
     action: Int[Array, "T E"]
-    reached: Int[Array, "T E"]
+    next_state: Int[Array, "T E"]
+    """Where each step led, before any reset."""
     reward: Float[Array, "T E"]
     terminated: Bool[Array, "T E"]
     truncated: Bool[Array, "T E"]
-    kept: Any
-    now: Int[Array, "E"]
-    """Where the environments are after it."""
-    made: Bool[Array, "T E"] | None = None
+    aux: Any
+    last_state: Int[Array, "E"]
+    """Where the environments are after the last step, after any reset."""
+    mask: Bool[Array, "T E"] | None = None
     """Which of the steps were made; `None`: all."""
 
 
 Act = Callable[[Int[Array, "E"], Float[Array, "E"]], tuple[Int[Array, "E"], Any]]
-"""From states and a uniform number each to actions, and what to keep."""
+"""From states and a uniform number each to actions, and what to remember."""
 
 
 def rollout(
     task: Task,
     act: Act,
-    place: Place,
+    env_state: EnvState,
     episode_limit: Float[Array, ""],
     draws: Float[Array, "T E"],
-    picks: Float[Array, "T E"] | None = None,
+    starts: Float[Array, "T E"] | None = None,
     noise: Float[Array, "T E"] | None = None,
-) -> tuple[Place, Passed]:
+) -> tuple[EnvState, Trajectory]:
     """T steps of E environments; ended episodes start anew.
 
-    The draws decide on actions, the picks on where an episode begins, if there are several starts,
-    and the noise on the outcome of an action, if there are several.
+    The draws decide on actions, `starts` on where an episode begins, if there are several initial
+    states, and the noise on the outcome of an action, if there are several.
     """
 
-    def step(place: Place, drawn: tuple) -> tuple[Place, Passed]:
-        after, passed, _ = _step(task, act, place, episode_limit, *drawn)
-        return after, passed
+    def step(env_state: EnvState, drawn: tuple) -> tuple[EnvState, Trajectory]:
+        after, made, _ = _step(task, act, env_state, episode_limit, *drawn)
+        return after, made
 
     # A few steps a turn of the compiled loop: its turns cost as much as the small operations in it.
-    return jax.lax.scan(step, place, (draws, picks, noise), unroll=min(_TOGETHER, len(draws)))
+    return jax.lax.scan(step, env_state, (draws, starts, noise), unroll=min(_UNROLL, len(draws)))
 
 
 def _step(
     task: Task,
     act: Act,
-    place: Place,
+    env_state: EnvState,
     episode_limit: Float[Array, ""],
     draw: Float[Array, "E"],
-    pick: Float[Array, "E"] | None,
+    start: Float[Array, "E"] | None,
     noise: Float[Array, "E"] | None,
-) -> tuple[Place, Passed, Bool[Array, "E"]]:
-    """One step of E environments: where they are then, what was done, and which episodes ended."""
-    action, kept = act(place.state, draw)
-    transition = task.transition(place.state, action, noise)
+) -> tuple[EnvState, Trajectory, Bool[Array, "E"]]:
+    """One step of E environments: where they are then, the step, and which episodes ended."""
+    action, aux = act(env_state.state, draw)
+    transition = task.transition(env_state.state, action, noise)
     reached = task.goes_on[transition]
-    steps = place.steps + 1
+    steps = env_state.steps + 1
     truncated = (reached >= 0) & (steps >= episode_limit)
     ended = (reached < 0) | truncated
-    after = Place(jnp.where(ended, task.begin(pick), reached), jnp.where(ended, 0, steps))
-    return after, Passed(place.state, transition, truncated, kept), ended
+    after = EnvState(jnp.where(ended, task.begin(start), reached), jnp.where(ended, 0, steps))
+    return after, Trajectory(env_state.state, transition, truncated, aux), ended
 
 
 def whole_episodes(
     task: Task,
     act: Act,
-    place: Place,
+    env_state: EnvState,
     episode_limit: Float[Array, ""],
     draws: Float[Array, "T E"],
-    picks: Float[Array, "T E"] | None = None,
+    starts: Float[Array, "T E"] | None = None,
     noise: Float[Array, "T E"] | None = None,
-) -> tuple[Place, Passed]:
+) -> tuple[EnvState, Trajectory]:
     """One episode of each of E environments, of up to T steps; see `rollout`.
 
     An environment whose episode has ended waits for the others where it begins its next one: its
@@ -132,35 +134,37 @@ def whole_episodes(
     """
     steps, envs = draws.shape
 
-    def step(t: Int[Array, ""], place: Place) -> tuple[Place, Passed, Bool[Array, "E"]]:
-        drawn = jax.tree.map(lambda drawn: drawn[t], (draws, picks, noise))
-        return _step(task, act, place, episode_limit, *drawn)
+    def step(
+        t: Int[Array, ""], env_state: EnvState
+    ) -> tuple[EnvState, Trajectory, Bool[Array, "E"]]:
+        drawn = jax.tree.map(lambda drawn: drawn[t], (draws, starts, noise))
+        return _step(task, act, env_state, episode_limit, *drawn)
 
     def more(carry: tuple) -> Bool[Array, ""]:
         t, _, _, acting = carry
         return (t < steps) & acting.any()
 
     def one(carry: tuple) -> tuple:
-        t, place, passed, acting = carry
-        after, now, ended = step(t, place)
-        place = jax.tree.map(lambda new, old: jnp.where(acting, new, old), after, place)
+        t, env_state, trajectory, acting = carry
+        after, now, ended = step(t, env_state)
+        env_state = jax.tree.map(lambda new, old: jnp.where(acting, new, old), after, env_state)
         now = now._replace(
             transition=jnp.where(acting, now.transition, -1),
             truncated=now.truncated & acting,
-            made=acting,
+            mask=acting,
         )
-        passed = jax.tree.map(lambda all_of, part: all_of.at[t].set(part), passed, now)
-        return t + 1, place, passed, acting & ~ended
+        trajectory = jax.tree.map(lambda all_of, part: all_of.at[t].set(part), trajectory, now)
+        return t + 1, env_state, trajectory, acting & ~ended
 
-    like = jax.eval_shape(lambda: step(jnp.int32(0), place)[1])
+    like = jax.eval_shape(lambda: step(jnp.int32(0), env_state)[1])
     empty = jax.tree.map(lambda part: jnp.zeros((steps, *part.shape), part.dtype), like)
     empty = empty._replace(
         transition=jnp.full((steps, envs), -1, like.transition.dtype),
-        made=jnp.zeros((steps, envs), bool),
+        mask=jnp.zeros((steps, envs), bool),
     )
-    begun = jnp.int32(0), place, empty, jnp.ones(envs, bool)
-    _, place, passed, _ = jax.lax.while_loop(more, one, begun)
-    return place, passed
+    begun = jnp.int32(0), env_state, empty, jnp.ones(envs, bool)
+    _, env_state, trajectory, _ = jax.lax.while_loop(more, one, begun)
+    return env_state, trajectory
 
 
 def masked(
@@ -175,7 +179,7 @@ def masked(
     return jnp.where(available, logits, jnp.finfo(logits.dtype).min)
 
 
-def sampled(
+def sample_action(
     logits: Float[Array, "E A"],
     draw: Float[Array, "E"],
     available: Bool[Array, "E A"] | None = None,
@@ -188,9 +192,10 @@ def sampled(
     return jnp.minimum(below.sum(axis=-1), last)
 
 
-def linearly(
-    start: Float[Array, ""], end: Float[Array, ""], over: Float[Array, ""], steps: Array
-) -> Float[Array, ""]:
-    """A number that goes from start to end over so many steps; for ever at start if 0."""
-    share = jnp.where(over > 0, jnp.clip(steps / jnp.maximum(over, 1), 0, 1), 0)
+Number = Float[Array, ""] | float
+
+
+def linear_schedule(start: Number, end: Number, duration: Number, step: Number) -> Float[Array, ""]:
+    """A number that goes from start to end over so many steps; at start for ever if 0."""
+    share = jnp.where(duration > 0, jnp.clip(step / jnp.maximum(duration, 1), 0, 1), 0)
     return start + (end - start) * share

@@ -68,8 +68,8 @@ RECENT = 1_000
 """How many of a stretch's last transitions are remembered."""
 
 
-class Point(NamedTuple):
-    """How a run was doing after some stretch of training; NaN where there is nothing to tell.
+class Metrics(NamedTuple):
+    """Metrics of a run after some stretch of training; NaN where there are none.
 
     Step and episode count from the run's beginning, the time is in seconds since 1970. Return and
     length are means over the last 100 episodes; the loss is the mean over the stretch; entropy of
@@ -161,7 +161,7 @@ class Record:
         self.converged_at: int | None = None
         self._averages = Averages.of()
         self._episodes = Rows(np.empty((0, self.running.shape[1]), np.float32))
-        self._points = Rows(np.empty((0, len(Point._fields))))
+        self._metrics = Rows(np.empty((0, len(Metrics._fields))))
 
     @property
     def count(self) -> int:
@@ -171,19 +171,19 @@ class Record:
         """float32[n, 2 + flags]: steps, return, and counts of the flags, an episode a row."""
         return self._episodes.all()
 
-    def points(self) -> np.ndarray:
-        """float64[n, fields]: a `Point` for each stretch for which one was noted."""
-        return self._points.all()
+    def metrics(self) -> np.ndarray:
+        """float64[n, fields]: `Metrics` for each stretch for which they were noted."""
+        return self._metrics.all()
 
-    def note(self, point: Point) -> None:
-        self._points.add(np.array([point], np.float64))
+    def note(self, metrics: Metrics) -> None:
+        self._metrics.add(np.array([metrics], np.float64))
 
     def restore(
-        self, steps: int, running: np.ndarray, episodes: np.ndarray, points: np.ndarray
+        self, steps: int, running: np.ndarray, episodes: np.ndarray, metrics: np.ndarray
     ) -> None:
         """Goes back to what an earlier process had come to."""
         self.steps, self.running = steps, running
-        self._episodes, self._points = Rows(episodes), Rows(points)
+        self._episodes, self._metrics = Rows(episodes), Rows(metrics)
         self.before = steps, len(episodes)
         self._averages, at = self._looked_at(Averages.of(), episodes)
         self._end_if_over(at)
@@ -214,7 +214,7 @@ class Record:
         self._episodes.add(gain.episodes)
         self._end_if_over(gain.converged_at)
 
-    def give_up(self) -> None:
+    def stop(self) -> None:
         """Ends the run as one that has not converged, if it has not ended."""
         if not self.ended:
             self.ended = True

@@ -22,7 +22,7 @@ from habilis.learning.folder import (
     tidy,
 )
 from habilis.learning.jobs import Job
-from habilis.learning.points import note_points
+from habilis.learning.metrics import note_metrics
 from habilis.learning.runs import Progress, Run
 from habilis.learning.tensorboard import EventFiles
 
@@ -123,7 +123,7 @@ def _train(
 
     def look(over: bool = False) -> None:
         nonlocal saved
-        note_points(job)
+        note_metrics(job)
         if over or time.monotonic() - saved >= seconds:
             with writing(folder, _GO_ON):
                 checkpoints.save(job, folder)

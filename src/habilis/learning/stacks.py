@@ -167,7 +167,7 @@ def _filled(into: Any, source: Any, places: Int[Array, "n"], here: Bool[Array, "
 
 def finite(stack: Stack) -> Bool[np.ndarray, "lanes"]:
     """Of which lanes all that was learned is finite."""
-    learned = stack.lanes.learner, stack.lanes.novelty
+    learned = stack.lanes.train_state, stack.lanes.novelty
     if _on_host(stack.device):
         return _finite(jax.tree.map(np.asarray, learned), np)
     return np.asarray(_finite_there(learned))

@@ -1,8 +1,8 @@
 """TensorBoard event files: a folder a run, `tensorboard/run-K`.
 
-They are written from the points that checkpoints keep, and so agree with them: a session begins
-them anew with all points up to the checkpoint that it goes on from, and adds to them whenever it
-has saved one. No point is lost or there twice, however the session before has ended.
+They are written from the metrics that checkpoints keep, and so agree with them: a session begins
+them anew with all metrics up to the checkpoint that it goes on from, and adds to them whenever it
+has saved one. None is lost or written twice, however the session before has ended.
 """
 
 import math
@@ -20,7 +20,7 @@ from tensorboardX.summary import hparams, text
 
 from habilis.files import write_whole
 from habilis.learning.jobs import Job
-from habilis.learning.runs import Point
+from habilis.learning.runs import Metrics
 
 TAGS = {
     "episode/return": "episode_return",
@@ -32,7 +32,7 @@ TAGS = {
     "intrinsic/beta": "beta",
     "speed/steps_per_second": "steps_per_second",
 }
-"""The fields of a `Point` that are drawn, by their names in TensorBoard."""
+"""The fields of `Metrics` that are drawn, by their names in TensorBoard."""
 
 
 _events: Any = event_pb2  # its classes are made when it is imported
@@ -44,7 +44,7 @@ class EventFiles:
     """The event files of a session, over environment steps."""
 
     def __init__(self, job: Job, folder: Path):
-        """Begins them anew, with all points there are.
+        """Begins them anew, with all metrics there are.
 
         Raises:
             OSError: they cannot be written.
@@ -59,26 +59,26 @@ class EventFiles:
             # TensorBoard goes on to the file whose name comes last.
             number = max([int(time.time()), *(1 + _number(path) for path in earlier)])
             path = place / f"events.out.tfevents.{number}.habilis"
-            points = record.points()
-            content = _records([*_head(job), *_scalars(points)])
+            noted = record.metrics()
+            content = _records([*_head(job), *_scalars(noted)])
             write_whole(path, lambda file, content=content: file.write(content))
             for old in earlier:
                 old.unlink()
             self._paths.append(path)
-            self._written.append(len(points))
+            self._written.append(len(noted))
 
     def add(self) -> None:
-        """Adds the points that are new.
+        """Adds the metrics that are new.
 
         Raises:
             OSError: they cannot be written.
         """
         for run, record in enumerate(self._job.records):
-            points = record.points()[self._written[run] :]
-            if len(points):
+            noted = record.metrics()[self._written[run] :]
+            if len(noted):
                 with self._paths[run].open("ab") as file:
-                    file.write(_records(_scalars(points)))
-                self._written[run] += len(points)
+                    file.write(_records(_scalars(noted)))
+                self._written[run] += len(noted)
 
 
 def _number(path: Path) -> int:
@@ -87,7 +87,7 @@ def _number(path: Path) -> int:
 
 
 def _head(job: Job) -> list[Any]:
-    """What stands before the points: the format, and what the run is made of."""
+    """What comes before the metrics: the format, and the settings of the run."""
     now = time.time()
     settings = job.config.as_dict()
     rows = [f"| {name} | {value} |" for name, value in settings.items()]
@@ -104,15 +104,15 @@ def _head(job: Job) -> list[Any]:
     ]
 
 
-def _scalars(points: np.ndarray) -> Iterator[Any]:
-    for point in map(Point._make, points.tolist()):
+def _scalars(noted: np.ndarray) -> Iterator[Any]:
+    for one in map(Metrics._make, noted.tolist()):
         values = [
-            _summaries.Summary.Value(tag=tag, simple_value=getattr(point, name))
+            _summaries.Summary.Value(tag=tag, simple_value=getattr(one, name))
             for tag, name in TAGS.items()
-            if math.isfinite(getattr(point, name))
+            if math.isfinite(getattr(one, name))
         ]
         yield _events.Event(
-            wall_time=point.time, step=int(point.step), summary=_summaries.Summary(value=values)
+            wall_time=one.time, step=int(one.step), summary=_summaries.Summary(value=values)
         )
 
 

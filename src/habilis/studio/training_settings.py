@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC
+from habilis.learning.algorithms import ALGORITHMS
+from habilis.learning.config import COUNT, DEFAULT, DISTILLATION, NO_INTRINSIC
 from habilis.studio.fields import checked, number
 from habilis.studio.limits import HORIZON, TRAINING
 from habilis.studio.scenes import Scene
@@ -22,19 +23,13 @@ INTRINSIC = {
     COUNT: "Visit counts",
     DISTILLATION: "Random network distillation",
 }
-ALGORITHMS = {
-    "a2c": "A2C",
-    "ppo": "PPO",
-    "q-learning": "Q-learning",
-    "soft-value-iteration": "Soft value iteration",
-}
 FIRST: dict[str, Any] = {
     "intrinsic": "object",
     "horizon": 3,
     "beta": 0.08,
     "runs": 5,
     "seed": 0,
-    "algorithm": "a2c",
+    "algorithm": DEFAULT,
     "episodes": 2_000,
 }
 """Settings of `habilis.learning.config.Config`: those of the paper for the yard."""
@@ -45,7 +40,7 @@ def offered() -> dict[str, Any]:
     """The choices in the server's greeting."""
     return {
         "intrinsic": INTRINSIC,
-        "algorithms": ALGORITHMS,
+        "algorithms": ALGORITHMS.labels(),
         "without_horizon": WITHOUT_HORIZON,
         "first": FIRST,
     }

@@ -228,12 +228,12 @@ def split(names: str) -> list[str]:
 
 def default_of(name: str) -> Any:
     """The default of a setting, of the first algorithm that has it."""
-    return _DEFAULTS[name]
+    return _defaults()[name]
 
 
-_DEFAULTS = {
-    f.name: f.default for kind in reversed((Config, *ALGORITHMS.values())) for f in fields(kind)
-}
+def _defaults() -> Values:
+    kinds = reversed((Config, *ALGORITHMS.values()))
+    return {f.name: f.default for kind in kinds for f in fields(kind)}
 
 
 def _refuse_dates(where: str, value: Any) -> None:
@@ -249,10 +249,10 @@ def _check_names(table: str, names: Any) -> None:
     for name in names:
         if name == "preset":
             raise ValueError(f"[{table}] has preset, which is for all points; give it in [config]")
-        if name not in _DEFAULTS:
+        if name not in _defaults():
             raise ValueError(
                 f"[{table}] has {name!r}, which is no setting; use some of "
-                f"{', '.join(sorted(_DEFAULTS))}"
+                f"{', '.join(sorted(_defaults()))}"
             )
 
 
@@ -288,7 +288,7 @@ def _range_or_values(names: str, value: Any) -> Range | list[Any]:
     numbers = {"low", "high"}
     if not numbers <= set(value) <= numbers | {"log"}:
         raise ValueError(f"{what} is {value!r}; give low, high and, if it is so, log = true")
-    default = _DEFAULTS.get(names)
+    default = _defaults().get(names)
     if isinstance(default, bool) or not isinstance(default, int | float):
         raise ValueError(f"{what} has a range, but is no number; give a list of values")
     kinds = int if isinstance(default, int) else (int, float)

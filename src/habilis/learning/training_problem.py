@@ -1,4 +1,4 @@
-"""What agents learn on: a table, where in it episodes begin, and the best that can be expected."""
+"""The problem that agents learn: a table, the states episodes begin in, and the best return."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int32, Int64
 
 from habilis.learning.config import Config
-from habilis.learning.starts import begun_anywhere
+from habilis.learning.initial_states import random_initial_states
 from habilis.mdp import TabularMDP
 from habilis.transitions import Transitions
 from habilis.worlds.plans import best_returns, distances, solve
@@ -19,7 +19,7 @@ KEPT = 16
 
 
 class Conditions(NamedTuple):
-    """What a configuration says of episodes that its map does not; see the fields of `Config`."""
+    """Settings of episodes besides their map; see the fields of `Config`."""
 
     starts: int = 0
     unseen: int = 0
@@ -31,17 +31,18 @@ class Conditions(NamedTuple):
         return cls(*(getattr(config, name) for name in cls._fields))
 
 
-THE_MAPS = Conditions()
+DEFAULT_CONDITIONS = Conditions()
+"""Episodes begin where the map has everything, and no action slips."""
 
 
-class Ground(NamedTuple):
-    """A world's table, and the states in it that episodes begin from.
+class TrainingProblem(NamedTuple):
+    """A world's table, and the states in it that episodes begin in.
 
     Attributes:
         mdp: the table; its start is where the map has everything.
-        seen: int64[n], those that training begins from.
+        seen: int64[n], those that episodes of training begin in.
         unseen: int64[m], those held out.
-        shortest_return: of a shortest plan, the mean over those that training begins from; where
+        shortest_return: of a shortest plan, the mean over those of training; where
             the world is stochastic, of one in which no tool fails and no action slips.
     """
 
@@ -52,8 +53,8 @@ class Ground(NamedTuple):
 
 
 @lru_cache(KEPT)
-def ground(world: World, conditions: Conditions = THE_MAPS) -> Ground:
-    """What agents learn on.
+def training_problem(world: World, conditions: Conditions = DEFAULT_CONDITIONS) -> TrainingProblem:
+    """The problem of a world under some conditions.
 
     Args:
         world: the map.
@@ -68,7 +69,7 @@ def ground(world: World, conditions: Conditions = THE_MAPS) -> Ground:
     """
     starts, unseen, seed, slip = conditions
     if starts:
-        sure, states = begun_anywhere(world, starts + unseen, seed)
+        sure, states = random_initial_states(world, starts + unseen, seed)
     else:
         sure = tabulate(world)
         states = np.array([sure.start])
@@ -76,7 +77,7 @@ def ground(world: World, conditions: Conditions = THE_MAPS) -> Ground:
     shortest = _shortest_return(sure, seen)
     if shortest is None:
         raise ValueError(f"{world.name}: the goal cannot be reached; open a way to it")
-    return Ground(sure.slippery(slip), seen, held_out, shortest)
+    return TrainingProblem(sure.slippery(slip), seen, held_out, shortest)
 
 
 def _shortest_return(mdp: TabularMDP, starts: Int64[np.ndarray, "n"]) -> float | None:
@@ -89,33 +90,33 @@ def _shortest_return(mdp: TabularMDP, starts: Int64[np.ndarray, "n"]) -> float |
 
 
 def best_return(world: World, conditions: Conditions, limit: int) -> float:
-    """What the best policy expects of an episode, the mean over where training begins.
+    """The expected return of the best policy, the mean over the initial states of training.
 
     Args:
-        world, conditions: as in `ground`.
-        limit: how many steps an episode has, at most. Of a shortest plan, which is what is best
-            in a deterministic world, all are counted.
+        world, conditions: as in `training_problem`.
+        limit: how many steps an episode has, at most. In a deterministic world it does not
+            count: the return is that of a shortest plan.
 
     Returns:
         Extrinsic and undiscounted.
 
     Raises:
-        ValueError: as in `ground`.
+        ValueError: as in `training_problem`.
     """
-    on = ground(world, conditions)
-    if not on.mdp.is_stochastic:
-        return on.shortest_return
-    return float(expected_returns(world, conditions, limit)[on.seen].mean())
+    problem = training_problem(world, conditions)
+    if not problem.mdp.is_stochastic:
+        return problem.shortest_return
+    return float(expected_returns(world, conditions, limit)[problem.seen].mean())
 
 
 @lru_cache(KEPT)
 def expected_returns(world: World, conditions: Conditions, limit: int) -> Float64[np.ndarray, "S"]:
-    """What the best policy expects from every state, as in `best_returns`.
+    """The expected return of the best policy from every state, as in `best_returns`.
 
     Args:
         world, conditions, limit: as in `best_return`.
     """
-    returns = best_returns(ground(world, conditions).mdp, limit)
+    returns = best_returns(training_problem(world, conditions).mdp, limit)
     returns.flags.writeable = False
     return returns
 

@@ -1,4 +1,4 @@
-"""Random placements for episodes to begin in."""
+"""Random placements that episodes begin in."""
 
 from collections.abc import Iterator
 from itertools import islice
@@ -15,7 +15,7 @@ from habilis.worlds.reach import reachable
 from habilis.worlds.world import World
 
 
-def begun_anywhere(
+def random_initial_states(
     world: World, count: int, seed: int
 ) -> tuple[TabularMDP, Int64[np.ndarray, "count"]]:
     """A table with random placements from which the goal can be reached, and where they are in it.

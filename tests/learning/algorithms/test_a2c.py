@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 from probes import QUICK_A2C, learn, row
 
-from habilis.learning import actor_critic
-from habilis.learning.a2c import actor_critic_loss
-from habilis.learning.actor_critic import Learner, descended, direction
-from habilis.learning.algorithms import A2C
+from habilis.learning.algorithms import actor_critic
+from habilis.learning.algorithms.a2c import A2C, actor_critic_loss
+from habilis.learning.algorithms.actor_critic import OPTIMIZERS, TrainState, apply_gradient
+from habilis.learning.algorithms.protocol import bound
 from habilis.learning.config import Config
 from habilis.learning.lanes import advance, settings_of
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Context
+from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
 QUICK = Config(algorithm=QUICK_A2C, seed=3)
@@ -173,13 +174,14 @@ def test_the_gradient_from_kept_activations_is_that_of_the_loss():
 def optimizer_step(gradient, clip, optimizer="rmsprop"):
     """The first change of the parameters, float[n]."""
     algorithm = A2C(optimizer=optimizer, learning_rate=0.1, clip=clip)
-    numbers = settings_of(Config(algorithm=algorithm), np.zeros(1)).numbers
-    nothing: Any = None
-    context = Context(nothing, algorithm, numbers, jnp.float32(0), nothing, nothing)
+    hyperparams = settings_of(Config(algorithm=algorithm), np.zeros(1)).hyperparams
+    context = context_at(0)
     parameters: Any = jnp.zeros(len(gradient))
-    learner = Learner(parameters, direction(algorithm).init(parameters))
-    changed: Any = descended(context, learner, jnp.asarray(gradient)).parameters  # pyright: ignore
-    return np.asarray(changed)
+    before = TrainState(parameters, OPTIMIZERS[optimizer].init(parameters))
+    after: Any = apply_gradient(
+        bound(algorithm, hyperparams), context, before, jnp.asarray(gradient)
+    )
+    return np.asarray(after.parameters)
 
 
 def test_a_gradient_is_clipped_to_its_norm_then_scaled_by_rmsprop():
@@ -210,31 +212,28 @@ def test_the_loop_is_compiled_once_for_equal_shapes():
     assert advance._cache_size() == before + 1  # pyright: ignore[reportAttributeAccessIssue]
 
 
-def context(taken, **numbers):
-    unused: Any = None
-    return Context(
-        task=unused,
-        algorithm=A2C(),
-        numbers={name: jnp.float32(number) for name, number in numbers.items()},
-        taken=jnp.float32(taken),
-        key=jax.random.key(0),
-        worth=jnp.abs,
-    )
+def context_at(global_step):
+    task, _ = make_task(row(2, 1, [[1.0], [0.0]]))
+    return Context(task, jnp.float32(global_step), jax.random.key(0), jnp.abs)
+
+
+def entropy_weight(global_step, **settings):
+    return actor_critic.entropy_weight(A2C(**settings), context_at(global_step))
 
 
 @pytest.mark.parametrize(
-    ("taken", "weight"), [(0, 0.8), (100, 0.8), (150, 0.5), (200, 0.2), (10_000, 0.2)]
+    ("global_step", "weight"), [(0, 0.8), (100, 0.8), (150, 0.5), (200, 0.2), (10_000, 0.2)]
 )
-def test_entropys_weight_is_held_then_falls_linearly_then_stays(taken, weight):
-    told = actor_critic.entropy_weight(
-        context(taken, entropy=0.8, entropy_end=0.2, entropy_hold=100, entropy_steps=100)
+def test_entropys_weight_is_held_then_falls_linearly_then_stays(global_step, weight):
+    found = entropy_weight(
+        global_step, entropy=0.8, entropy_end=0.2, entropy_hold=100, entropy_steps=100
     )
-    assert told == pytest.approx(weight)
+    assert found == pytest.approx(weight)
 
 
 def test_entropys_weight_stays_where_no_steps_are_given():
-    never = context(10_000, entropy=0.8, entropy_end=0.2, entropy_hold=0, entropy_steps=0)
-    assert actor_critic.entropy_weight(never) == pytest.approx(0.8)
+    never = entropy_weight(10_000, entropy=0.8, entropy_end=0.2, entropy_hold=0, entropy_steps=0)
+    assert never == pytest.approx(0.8)
 
 
 def test_normalised_advantages_have_mean_zero_and_deviation_one():

@@ -3,7 +3,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from habilis.learning.returns import generalised_advantages
+from habilis.learning.algorithms.actor_critic import generalised_advantages
 
 
 def slow_advantages(reward, value, next_value, terminated, truncated, discount, gae_lambda):

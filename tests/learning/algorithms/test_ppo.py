@@ -3,9 +3,8 @@ import numpy as np
 import pytest
 from probes import learn, row
 
-from habilis.learning.algorithms import PPO
+from habilis.learning.algorithms.ppo import PPO, clipped_loss
 from habilis.learning.config import Config
-from habilis.learning.ppo import clipped_loss
 from habilis.mdp import TabularMDP
 
 QUICK = Config(

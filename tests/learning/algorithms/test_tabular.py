@@ -5,7 +5,8 @@ import pytest
 from probes import learn, row
 from scipy.special import logsumexp
 
-from habilis.learning.algorithms import QLearning, SoftValueIteration
+from habilis.learning.algorithms.q_learning import QLearning
+from habilis.learning.algorithms.soft_value_iteration import SoftValueIteration
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
 from habilis.learning.replay import play
@@ -56,7 +57,7 @@ def test_a_cold_soft_policy_is_the_best_one_and_a_warm_one_is_mixed():
     for temperature, least, most in ((0.05, 0.999, 1.0), (50.0, 0.1, 0.9)):
         algorithm = SoftValueIteration(rollout=2, temperature=temperature, discount=0.9)
         found = learn(MDP, Config(algorithm=algorithm, episode_limit=50), updates=400)
-        went_on = found.lane.learner.parameters / temperature
+        went_on = found.lane.train_state.parameters / temperature
         share = 1 / (1 + np.exp(went_on[1, 0] - went_on[1, 1]))
         assert least <= share <= most
 

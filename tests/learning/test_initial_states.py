@@ -14,12 +14,12 @@ from habilis.learning import jobs, task
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
-from habilis.learning.ground import Conditions, ground, success_rate
+from habilis.learning.initial_states import random_placements
 from habilis.learning.jobs import Job
 from habilis.learning.replay import greedy_actions, play, success, table_of
 from habilis.learning.runs import Run
-from habilis.learning.starts import random_placements
 from habilis.learning.train import train
+from habilis.learning.training_problem import Conditions, success_rate, training_problem
 from habilis.sweeps.training import plain
 from habilis.worlds.plans import distances, solve
 
@@ -56,14 +56,16 @@ def test_placements_come_to_an_end():
 
 
 def test_those_held_out_are_others_and_all_can_be_solved(room):
-    on = ground(room, Conditions(20, 10, 3))
-    assert (len(on.seen), len(on.unseen)) == (20, 10)
-    assert len({*on.seen, *on.unseen}) == 30
-    plans = [plan for state in on.seen if (plan := solve(on.mdp, int(state)))]
-    assert on.shortest_return == pytest.approx(np.mean([plan.best_return for plan in plans]))
-    assert all(solve(on.mdp, int(state)) for state in on.unseen)
-    assert on.mdp.start not in on.seen  # where the map has everything, which is in the table too
-    assert not on.mdp.terminal[on.seen].any()
+    problem = training_problem(room, Conditions(20, 10, 3))
+    assert (len(problem.seen), len(problem.unseen)) == (20, 10)
+    assert len({*problem.seen, *problem.unseen}) == 30
+    plans = [plan for state in problem.seen if (plan := solve(problem.mdp, int(state)))]
+    assert problem.shortest_return == pytest.approx(np.mean([plan.best_return for plan in plans]))
+    assert all(solve(problem.mdp, int(state)) for state in problem.unseen)
+    assert (
+        problem.mdp.start not in problem.seen
+    )  # where the map has everything, which is in the table too
+    assert not problem.mdp.terminal[problem.seen].any()
 
 
 def test_distances_are_those_of_shortest_plans(room):
@@ -79,18 +81,18 @@ def test_distances_are_those_of_shortest_plans(room):
 def test_more_placements_than_can_be_solved_are_refused():
     world = hb.World.parse("A.CG", name="line")
     with pytest.raises(ValueError, match="line: the goal can be reached from 2 placements, not"):
-        ground(world, Conditions(2, 1, 0))
+        training_problem(world, Conditions(2, 1, 0))
 
 
 def test_episodes_begin_in_all_of_the_placements_and_no_others():
     config = LEARN.changed(runs=1, episodes=600, starts=5, unseen=3)
     job = Job.of(0, config)
-    first = np.asarray(job.start(0).place.state)
+    first = np.asarray(job.start(0).env_state.state)
     begun = set(first.tolist())
     for seed in range(20):
         lane = Job.of(0, config.changed(seed=seed)).start(0)
-        begun |= set(np.asarray(lane.place.state).tolist())
-    assert begun == set(ground(job.world, job.conditions).seen.tolist())
+        begun |= set(np.asarray(lane.env_state.state).tolist())
+    assert begun == set(training_problem(job.world, job.conditions).seen.tolist())
 
 
 def test_later_episodes_begin_in_all_of_them_too():
@@ -100,7 +102,7 @@ def test_later_episodes_begin_in_all_of_them_too():
     last = job.records[0].last
     assert last is not None
     states = last.transitions // job.mdp.action_count
-    seen = ground(job.world, job.conditions).seen
+    seen = training_problem(job.world, job.conditions).seen
     assert np.isin(seen, states).all()
 
 
@@ -127,7 +129,7 @@ def test_what_is_learned_from_many_placements_holds_in_others():
 def test_a_success_rate_is_the_share_of_starts_from_which_the_goal_is_reached():
     run = train(LEARN.changed(runs=1, steps=60_000, starts=6, unseen=4))
     mdp, policy = table_of(run), greedy_actions(run, table_of(run), 0)
-    on = ground(run.world, Conditions.of(run.config))
+    problem = training_problem(run.world, Conditions.of(run.config))
 
     def gets_there(state: int) -> bool:
         for _ in range(50):
@@ -136,10 +138,10 @@ def test_a_success_rate_is_the_share_of_starts_from_which_the_goal_is_reached():
                 return True
         return False
 
-    for states in (on.seen, on.unseen):
+    for states in (problem.seen, problem.unseen):
         wanted = np.mean([gets_there(int(state)) for state in states])
         assert success_rate(mdp, policy, states, 50) == pytest.approx(wanted)
-    assert success(run).seen == success_rate(mdp, policy, on.seen, 50)
+    assert success(run).seen == success_rate(mdp, policy, problem.seen, 50)
     with pytest.raises(ValueError, match="run is 1; use 0 to 0"):
         success(run, 1)
 

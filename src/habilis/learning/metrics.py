@@ -1,4 +1,4 @@
-"""Points of the curves that a run draws while it trains."""
+"""Metrics of the runs that train, noted from time to time."""
 
 import time
 from functools import partial
@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from habilis.learning import intrinsic
-from habilis.learning.algorithms import A2C, PPO
+from habilis.learning.algorithms.protocol import bound
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Lane, Program, Settings
-from habilis.learning.runs import Point
+from habilis.learning.runs import Metrics
 from habilis.learning.task import Task
 from habilis.rewards.shaping import beta_after
 
@@ -20,15 +20,15 @@ EPISODES = 100
 """Over how many of the last episodes return and length are averaged."""
 
 
-def note_points(job: Job) -> None:
-    """Notes a point for every run that has trained on since its last one."""
+def note_metrics(job: Job) -> None:
+    """Notes the metrics of every run that has trained on since they were last noted."""
     for run, record in enumerate(job.records):
-        points = record.points()
-        if record.last is not None and (not len(points) or points[-1, 0] < record.steps):
-            record.note(_point(job, run))
+        noted = record.metrics()
+        if record.last is not None and (not len(noted) or noted[-1, 0] < record.steps):
+            record.note(_metrics(job, run))
 
 
-def _point(job: Job, run: int) -> Point:
+def _metrics(job: Job, run: int) -> Metrics:
     record = job.records[run]
     assert record.last is not None
     assert record.began is not None
@@ -42,7 +42,7 @@ def _point(job: Job, run: int) -> Point:
         np.float32(record.steps),
         job.program,
     )
-    return Point(
+    return Metrics(
         step=record.steps,
         time=time.time(),
         episode=record.count,
@@ -62,16 +62,18 @@ def _measured(
     settings: Settings,
     lane: Lane,
     transitions: Int[Array, "n"],
-    taken: Float[Array, ""],
+    global_step: Float[Array, ""],
     program: Program,
 ) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
-    """Entropy of the policy, intrinsic value of the states entered, and its weight."""
+    """Entropy of the policy, intrinsic value of the states entered, and its weight.
+
+    A tabular policy explores in other ways than by its entropy, which is NaN.
+    """
     states, reached = task.state_of(transitions), task.transitions.next_state[transitions]
     entropy = jnp.float32(jnp.nan)
-    if isinstance(program.algorithm, A2C | PPO):
-        visited = task.only(states)
-        logits = program.module.preferences(visited, lane.learner.parameters)
-        log_policy = jax.nn.log_softmax(logits)
-        entropy = -(jnp.exp(log_policy) * log_policy).sum(axis=-1).mean()
+    if not program.algorithm.tabular:
+        algorithm = bound(program.algorithm, settings.hyperparams)
+        policy = algorithm.policy(task.only(states), lane.train_state.parameters)
+        entropy = jax.scipy.special.entr(policy).sum(axis=-1).mean()
     bonus = intrinsic.values(program.intrinsic, lane.novelty, settings.table, task, reached).mean()
-    return entropy, bonus, beta_after(settings.numbers, taken, jnp)
+    return entropy, bonus, beta_after(settings.hyperparams, global_step, jnp)
