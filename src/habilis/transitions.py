@@ -24,9 +24,9 @@ class Transitions(NamedTuple):
             the last is 1.
     """
 
-    next_state: Int32[Any, "S*A*K"]
-    reward: Float[Any, "S*A*K"]
-    cumulative: Float[Any, "S*A K-1"]
+    next_state: Int32[Any, "transitions"]
+    reward: Float[Any, "transitions"]
+    cumulative: Float[Any, "choices K-1"]
 
     @classmethod
     def of(cls, mdp: TabularMDP) -> "Transitions":
@@ -75,15 +75,13 @@ class Transitions(NamedTuple):
         return self.cumulative.shape[-1] + 1
 
     @property
-    def probabilities(self) -> Float[Any, "S*A K"]:
+    def probabilities(self) -> Float[Any, "choices K"]:
         """The probability of each outcome."""
         xp = self.cumulative.__array_namespace__()
         return xp.diff(self.cumulative, axis=1, prepend=0.0, append=1.0)
 
-    def drawn(
-        self, choice: Int[Any, "*n"] | int, draw: Float[Any, "*n"] | float | None
-    ) -> Int[Any, "*n"]:
-        """The numbers of the transitions that are made.
+    def drawn(self, choice: Int[Any, "*n"] | int, draw: Float[Any, "*n"] | float | None) -> Any:
+        """The numbers of the transitions that are made, int[*n].
 
         Args:
             choice: `s * A + a`, the actions that are taken.
@@ -102,15 +100,17 @@ class Transitions(NamedTuple):
 
 def _rewards(
     mdp: TabularMDP,
-    next_state: Int32[np.ndarray, "S*A K"],
-    probability: Float64[np.ndarray, "S*A K"],
-) -> Float64[np.ndarray, "S*A K"]:
+    next_state: Int32[np.ndarray, "choices K"],
+    probability: Float64[np.ndarray, "choices K"],
+) -> Float64[np.ndarray, "choices K"]:
     """The reward of each outcome: of entering its state, or the mean if that is all there is."""
     mean = mdp.reward.astype(np.float64).reshape(-1, 1)
     if mdp.entry_reward is None:
         return np.broadcast_to(mean, next_state.shape)
     entered = mdp.entry_reward.astype(np.float64)[next_state]
     expected = (probability * entered).sum(axis=1, keepdims=True)
-    apart: Bool[np.ndarray, "S*A 1"] = np.isclose(expected, mean, rtol=_ROUNDING, atol=_ROUNDING)
+    apart: Bool[np.ndarray, "choices 1"] = np.isclose(
+        expected, mean, rtol=_ROUNDING, atol=_ROUNDING
+    )
     apart &= probability.any(axis=1, keepdims=True)
     return np.where(apart, entered, mean)

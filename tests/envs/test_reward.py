@@ -218,11 +218,11 @@ def test_the_state_is_not_taken_from_what_a_wrapper_shows(slippery, mode):
 
 def test_another_layout_is_enumerated_when_an_episode_brings_it():
     env = EmpowermentReward(gymnasium.make("MiniGrid-DoorKey-5x5-v0"), 2, "key", 0.25)
-    known = len(env._places.values)
+    known = len(env._states.values)
     for seed in range(4):
         _, info = env.reset(seed=seed)
         assert info["empowerment"] == pytest.approx(bits_here(env, "key"))
-    assert len(env._places.values) > known
+    assert len(env._states.values) > known
 
 
 def vectors(mode):
@@ -351,7 +351,7 @@ def test_values_come_from_the_disk_the_second_time(tmp_path, monkeypatch):
     keeping = import_module("habilis.rewards.cached_tables")
     monkeypatch.setattr(keeping, "empowerment", None)  # not computed again
     second = EmpowermentReward(WorldEnv(hb.World.parse(TEXT, "another name")), **TOE)
-    assert np.array_equal(first._places.values, second._places.values)
+    assert np.array_equal(first._states.values, second._places.values)
     with pytest.raises(TypeError):
         EmpowermentReward(WorldEnv(TEXT, tool="broom"), **TOE)
 

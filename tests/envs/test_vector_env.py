@@ -113,7 +113,7 @@ def test_an_episode_that_begins_in_a_terminal_state_does_not_end_there(mode):
             equal(one, other)
 
 
-def test_any_deterministic_table_will_do():
+def test_any_table_will_do():
     ring = hb.TabularMDP.deterministic([[(s - 1) % 9, (s + 1) % 9] for s in range(9)])
     envs = TableVectorEnv(ring, 2)
     envs.reset(seed=0)

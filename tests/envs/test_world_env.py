@@ -242,6 +242,7 @@ def test_render_without_a_mode_draws_nothing_and_says_so():
         assert env.render() is None
 
 
+@pytest.mark.ill_typed
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -16,6 +16,7 @@ from habilis.cli.arguments import (
     measure_options,
 )
 from habilis.cli.output import lower_bounds, print_json, shows_progress
+from habilis.extras import import_from
 from habilis.files import TABLES
 from habilis.worlds.world import load_world
 
@@ -86,8 +87,7 @@ def _table(args: Args) -> habilis.TabularMDP:
         return habilis.tabulate(world, args.slip, max_states=max_states(args), show_progress=show)
     if args.tool is not None:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
-    from habilis.bridges.gymnasium import table_named
-
+    named = import_from("habilis.bridges.gymnasium.named", "gymnasium")
     name = args.world.removeprefix(PREFIX)
-    mdp = table_named(name, args.max_states, args.ignore, shows_progress(args))
+    mdp = named.table_named(name, args.max_states, args.ignore, shows_progress(args))
     return mdp.slippery(args.slip) if args.slip else mdp

@@ -11,7 +11,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int, Int8, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int8, PRNGKeyArray
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.methods import Exact, Method
@@ -20,6 +20,7 @@ from habilis.envs.observations import Labels, Marks, cells, grid, one_hot, ranke
 from habilis.envs.params import Empowerment, Params, State
 from habilis.envs.spaces import classes
 from habilis.envs.steps import (
+    Action,
     Alone,
     Stepped,
     action_mask,
@@ -56,12 +57,12 @@ class FunctionalEnv:
 
     Actions are int32; JAX cannot refuse one that does not exist. Where a table's actions are not
     available everywhere, `info["action_mask"]`, int8[A], has a 1 for those that are in the state
-    that a step returns, and `action_mask` says it of any state. JAX cannot refuse the others: they
-    leave the state as it is, for a reward of 0, and cost a step. `jax.random.categorical(key,
-    jnp.log(mask))` draws among the available ones, as slip does. In a state without actions an
-    episode terminates. The key of a step matters only
-    where outcomes are random, by slip or by the table, that of a reset never. All methods work
-    inside `jit`, `vmap` and `scan`; `params` may be left out: they are `default_params` then.
+    that a step returns, and `action_mask` gives the same of any state. JAX cannot refuse the
+    others: they leave the state as it is, for a reward of 0, and cost a step.
+    `jax.random.categorical(key, jnp.log(mask))` draws among the available ones, as slip does. In a
+    state without actions an episode terminates. The key of a step matters only where outcomes are
+    random, by slip or by the table, that of a reset never. All methods work inside `jit`, `vmap`
+    and `scan`; `params` may be left out: they are `default_params` then.
 
     Example:
         >>> import jax
@@ -174,7 +175,7 @@ class FunctionalEnv:
 
     @property
     def num_actions(self) -> int:
-        """How many actions there are."""
+        """The number of actions."""
         return self._mdp.action_count
 
     def reset(self, key: PRNGKeyArray, params: Params | None = None) -> tuple[Array, State]:
@@ -193,7 +194,7 @@ class FunctionalEnv:
         self,
         key: PRNGKeyArray,
         state: State,
-        action: Int[Array, ""],
+        action: Action,
         params: Params | None = None,
     ) -> Stepped:
         """A step; where an episode has ended with it, the next one begins.
@@ -220,9 +221,7 @@ class FunctionalEnv:
         """
         return begin(params)
 
-    def step_env(
-        self, key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params
-    ) -> Alone:
+    def step_env(self, key: PRNGKeyArray, state: State, action: Action, params: Params) -> Alone:
         """A step; an episode that has ended with it stays where it is.
 
         Args:
@@ -234,7 +233,7 @@ class FunctionalEnv:
         return step_alone(key, state, action, params)
 
     def observe(self, key: PRNGKeyArray, state: State, action: Any, params: Params) -> Array:
-        """What is shown of a state.
+        """The observation of a state.
 
         Args:
             state, params: as in `step`.
@@ -248,7 +247,7 @@ class FunctionalEnv:
     def get_obs(
         self, state: State, params: Params | None = None, key: PRNGKeyArray | None = None
     ) -> Array:
-        """What is shown of a state.
+        """The observation of a state.
 
         Args:
             state, params: as in `step`.
@@ -271,7 +270,7 @@ class FunctionalEnv:
         return action_mask(state.index, self._given(params))
 
     def is_terminated(self, state: State, params: Params) -> Bool[Array, ""]:
-        """Whether an episode that has come to a state ends there by the world's rules.
+        """Whether an episode that reaches a state terminates there.
 
         Args:
             state, params: as in `step`.
@@ -284,7 +283,7 @@ class FunctionalEnv:
     is_terminal = is_terminated
 
     def is_truncated(self, state: State, params: Params) -> Bool[Array, ""]:
-        """Whether an episode that has come to a state is cut off there.
+        """Whether an episode that reaches a state is truncated there.
 
         Args:
             state, params: as in `step`.
@@ -295,7 +294,7 @@ class FunctionalEnv:
         return cut_off(state, params)
 
     def discount(self, state: State, params: Params) -> Float[Array, ""]:
-        """How much of what follows on a state counts.
+        """The discount of the future after a state.
 
         Args:
             state, params: as in `step`.
@@ -306,19 +305,19 @@ class FunctionalEnv:
         return goes_on(params.terminal[state.index])
 
     def action_space(self, params: Params | None = None) -> Any:
-        """What actions there are.
+        """The space of actions.
 
         Args:
             params: have no part in it.
 
         Returns:
             A `Discrete`: where gymnax is installed its own, as all spaces here; else of
-            `envs.spaces`, which can `sample(key)` and tell what it `contains(x)` too.
+            `envs.spaces`, with `sample(key)` and `contains(x)` too.
         """
         return classes().Discrete(self.num_actions)
 
     def observation_space(self, params: Params | None = None) -> Any:
-        """What may be observed.
+        """The space of observations.
 
         Args:
             params: have no part in it.
@@ -332,7 +331,7 @@ class FunctionalEnv:
         return classes().Box(np.zeros_like(high), high, high.shape, jnp.int32)
 
     def state_space(self, params: Params | None = None) -> Any:
-        """What states there may be.
+        """The space of states.
 
         Args:
             params: as in `reset`.
@@ -349,7 +348,7 @@ class FunctionalEnv:
 
 
 def _shown(kind: str, mdp: TabularMDP, world: World | None) -> Labels | Marks:
-    """What is observed of each state."""
+    """The observations of all states."""
     if kind not in KINDS:
         raise ValueError(f"observation {kind!r} is unknown; use one of {', '.join(KINDS)}")
     labels = ranked(mdp) if world is None else cells(mdp, world)

@@ -1,4 +1,4 @@
-"""What an agent is shown of a state of a table."""
+"""Observations of the states of a table."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -22,12 +22,12 @@ CELL = 16
 """Pixels a cell of "rgb"."""
 
 Show = Callable[[Any], np.ndarray]
-"""From a state, or an array of them, to what is shown; states are the leading axes."""
+"""From a state, or an array of them, to observations; states are the leading axes."""
 
 
 @dataclass(frozen=True)
 class Observation:
-    """What is shown of a state.
+    """Observations of states.
 
     Attributes:
         space: of one observation.
@@ -39,7 +39,7 @@ class Observation:
 
 
 def observation(kind: str, mdp: TabularMDP, world: World) -> Observation:
-    """What a world shows.
+    """Observations of a world.
 
     Args:
         kind: "factors", the cells of agent, tool (where there is one) and object, each
@@ -81,7 +81,7 @@ def ranks(mdp: TabularMDP) -> Observation:
 
 @dataclass(frozen=True)
 class Labels:
-    """What a state says of each thing, as a number.
+    """A number for each thing in each state.
 
     Attributes:
         of: int64[S, things].
@@ -94,7 +94,7 @@ class Labels:
 
 @dataclass(frozen=True)
 class Marks:
-    """Ones over what never changes.
+    """Ones over a constant background.
 
     Attributes:
         at: int64[S, things], where a state has its ones, `still` laid flat.
@@ -106,7 +106,7 @@ class Marks:
 
 
 def cells(mdp: TabularMDP, world: World) -> Labels:
-    """The cells of a world's things, and of several what is in hand, counted from 0 for nothing."""
+    """The cells of a world's things, and of several what is in hand, from 0 for nothing."""
     hands = 1 + len(world.tools)
     sizes = [world.height * world.width if mdp.is_cell(name) else hands for name in mdp.factors]
     each = [mdp.factors[name] - (0 if mdp.is_cell(name) else NONE) for name in mdp.factors]
@@ -172,7 +172,7 @@ def frames(mdp: TabularMDP, world: World, cell: int) -> Show:
     return partial(_pictured, Tiles.of(world, cell), each)
 
 
-# What shows is no function inside another: those cannot be pickled, and environments are.
+# Functions inside others could not be pickled, and environments are.
 
 
 def _labelled(of: Int64[np.ndarray, "S things"], state: Any) -> np.ndarray:

@@ -1,8 +1,8 @@
-"""What a functional environment is told, and where it is: trees of arrays."""
+"""Parameters and state of a functional environment, as trees of arrays."""
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, no_type_check
 
 import jax
 from jaxtyping import Array, Bool, Float, Int32, UInt8
@@ -16,11 +16,14 @@ _PARAMS = (
     *("flags", "seen", "background", "slip", "empowerment", "available"),
 )
 
+# JAX fills trees with batches, and with what are no arrays: their attributes are not checked.
 
+
+@no_type_check
 @partial(jax.tree_util.register_dataclass, data_fields=_STATE, meta_fields=())
 @dataclass(frozen=True)
 class State:
-    """Where an environment is.
+    """The state of an environment.
 
     Attributes:
         index: int32, the state of the table.
@@ -34,7 +37,7 @@ class State:
         """The same but for some attributes.
 
         Args:
-            **changes: by the names of attributes, what they are to be.
+            **changes: new values of attributes by name.
 
         Returns:
             Another one.
@@ -42,10 +45,11 @@ class State:
         return replace(self, **changes)
 
 
+@no_type_check
 @partial(jax.tree_util.register_dataclass, data_fields=_EMPOWERMENT, meta_fields=())
 @dataclass(frozen=True)
 class Empowerment:
-    """What is added to the reward.
+    """The bonus in the reward.
 
     Attributes:
         bits: float32[S], M of every state.
@@ -56,12 +60,13 @@ class Empowerment:
     weights: dict[str, Any]
 
 
+@no_type_check
 @partial(jax.tree_util.register_dataclass, data_fields=_PARAMS, meta_fields=())
 @dataclass(frozen=True)
 class Params:
     """A table, and how its episodes go.
 
-    All of it are arrays and numbers: they may change without anything being compiled anew, and
+    All of them are arrays and numbers: they may change without recompilation, and
     `vmap` goes over any of them.
 
     Attributes:
@@ -69,13 +74,13 @@ class Params:
         terminal: bool[S], the states whose entry ends an episode: those without actions too.
         start: the state in which episodes begin.
         max_steps_in_episode: the length of an episode, at most.
-        flags: by name, bool[S], what `info` says of a state.
+        flags: by name, bool[S], properties of states that `info` has.
         seen: int32[S, things], what is observed of a state: numbers, or where in the background
             it has ones.
-        background: uint8, what is the same in all observations; `None`: numbers are shown.
+        background: uint8, the part common to all observations; `None`: observations are numbers.
         slip: the probability that an action drawn uniformly takes the place of the chosen one;
             `None`: never, and no random number is drawn.
-        empowerment: what is added to the reward; `None`: nothing.
+        empowerment: the bonus in the reward; `None`: none.
         available: bool[S, A], the actions that are available in each state; others lead back to
             the state, for a reward of 0. `None`: all are everywhere.
     """
@@ -100,7 +105,7 @@ class Params:
         """The same but for some attributes.
 
         Args:
-            **changes: by the names of attributes, what they are to be.
+            **changes: new values of attributes by name.
 
         Returns:
             Another one.

@@ -15,15 +15,21 @@ from numpy.typing import ArrayLike
 from habilis.bridges.gymnasium.snapshots import Identity, StateFunctions
 from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.sensors import Sensor
-from habilis.envs.places import Measure, Places, Position, places_of, same_table
-from habilis.envs.vector import Stepped, TableVectorEnv
+from habilis.envs.tabulated_states import (
+    Measure,
+    Position,
+    TabulatedStates,
+    same_table,
+    tabulated_states,
+)
+from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
 from habilis.rewards.shaping import Bonus, regularised
 
 _EXACT = Exact()
 EXTRINSIC, EMPOWERMENT = "extrinsic_reward", "empowerment"
-"""What `info` says: the environment's own reward, and the bits of the state that was reached."""
+"""Keys of `info`: the environment's own reward, and the bits of the state that was reached."""
 
 
 class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
@@ -34,7 +40,7 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
     For one environment, and for a vector environment, of which it makes a `VectorEmpowermentReward`
     with the same arguments: the worlds, Gymnasium's toy-text environments, and whatever
     `TabularMDP.from_gymnasium` can enumerate, small Minigrids among them; of these a new episode
-    may have another layout, which is enumerated when it is met first. Values are computed once
+    may have another layout, which is enumerated when it first appears. Values are computed once
     for a table, and then read from the disk.
 
     `info` has the environment's own reward as "extrinsic_reward", and as "empowerment" the bits of
@@ -117,29 +123,29 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         bonus = Bonus(weight, beta_schedule, beta_steps, earned, terminal_bonus, extrinsic)
         self._numbers = bonus.numbers(discount)
         measure = partial(_measured, horizon, sensor, actions, method)
-        self._places = places_of(env, measure, max_states, Identity(None, ignore, state))
-        self._position, self._taken = Position(env, self._places), 0
+        self._states = tabulated_states(env, measure, max_states, Identity(None, ignore, state))
+        self._position, self._taken = Position(env, self._states), 0
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
         observation, info = self.env.reset(seed=seed, options=options)
         self._position.begin(observation)
-        return observation, info | {EMPOWERMENT: float(self._places.values[self._position.state])}
+        return observation, info | {EMPOWERMENT: float(self._states.values[self._position.state])}
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[Any, float, Any, Any, dict[str, Any]]:
         if self._position.state < 0:
             raise gymnasium.error.ResetNeeded("call reset before step")
         observation, reward, terminated, truncated, info = self.env.step(action)
         before = self._position.state
         self._position.step(action, observation, terminated, truncated)
-        values, here = self._places.values, self._position.state
-        worth = regularised(
+        values, here = self._states.values, self._position.state
+        total = regularised(
             *(self._numbers, reward, values[here], values[before], terminated, self._taken)
         )
         self._taken += 1
-        told = {EXTRINSIC: reward, EMPOWERMENT: float(values[here])}
-        return observation, float(worth), terminated, truncated, info | told
+        added = {EXTRINSIC: reward, EMPOWERMENT: float(values[here])}
+        return observation, float(total), terminated, truncated, info | added
 
 
 class VectorEmpowermentReward(VectorWrapper):
@@ -201,9 +207,9 @@ class VectorEmpowermentReward(VectorWrapper):
         observations, info = self.env.reset(seed=given, options=options and dict(options))
         self._ended = self._ended & (False if mask is None else ~mask)
         self._before = self._states.now()
-        return observations, info | self._told({EMPOWERMENT: self._states.values[self._before]})
+        return observations, info | self._masked({EMPOWERMENT: self._states.values[self._before]})
 
-    def step(self, actions: Any) -> Stepped:
+    def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         if not len(self._before):
             raise gymnasium.error.ResetNeeded("call reset before step")
         observations, rewards, terminated, truncated, info = self.env.step(actions)
@@ -212,24 +218,24 @@ class VectorEmpowermentReward(VectorWrapper):
         if self._mode is AutoresetMode.SAME_STEP and ended.any():
             reached = self._states.last(now, ended, info)
         values = self._states.values
-        worth = regularised(
+        total = regularised(
             *(self._numbers, rewards, values[reached], values[self._before], terminated),
             self._taken,
         )
         if self._mode is AutoresetMode.NEXT_STEP:
-            worth = np.where(self._ended, rewards, worth)
+            total = np.where(self._ended, rewards, total)
         self._taken += self.num_envs
         self._before, self._ended = now, ended
-        told = {EXTRINSIC: rewards.copy(), EMPOWERMENT: values[reached]}
-        return observations, worth, terminated, truncated, info | self._told(told)
+        added = {EXTRINSIC: rewards.copy(), EMPOWERMENT: values[reached]}
+        return observations, total, terminated, truncated, info | self._masked(added)
 
-    def _told(self, told: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """With what Gymnasium's vector infos have beside each array: for whom it is told."""
-        return told | {f"_{name}": np.ones(self.num_envs, bool) for name in told}
+    def _masked(self, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """With the mask of environments that Gymnasium's vector infos have beside each array."""
+        return columns | {f"_{name}": np.ones(self.num_envs, bool) for name in columns}
 
 
 class _OwnStates:
-    """Of our vector environment, which says where its copies are."""
+    """The states of our vector environment, which has their indices."""
 
     def __init__(self, env: TableVectorEnv, measure: Measure):
         self._env, self.values = env, measure(env.dynamics)
@@ -244,9 +250,9 @@ class _OwnStates:
 class _Followed(gymnasium.Wrapper):
     """Follows where one of many environments is, also in episodes that end within a step."""
 
-    def __init__(self, env: gymnasium.Env, places: Places):
+    def __init__(self, env: gymnasium.Env, states: TabulatedStates):
         super().__init__(env)
-        self.position = Position(env, places)
+        self.position = Position(env, states)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -255,7 +261,7 @@ class _Followed(gymnasium.Wrapper):
         self.position.begin(observation)
         return observation, info
 
-    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         returned = self.env.step(action)
         observation, _, terminated, truncated, _ = returned
         self.position.step(action, observation, terminated, truncated)
@@ -263,7 +269,7 @@ class _Followed(gymnasium.Wrapper):
 
 
 class _ManyStates:
-    """Of a `SyncVectorEnv`, each of whose environments is followed."""
+    """The states of a `SyncVectorEnv`, each of whose environments is followed."""
 
     def __init__(
         self, vector: SyncVectorEnv, measure: Measure, max_states: int, identity: Identity
@@ -275,13 +281,13 @@ class _ManyStates:
                     f"environment {number} is another than environment 0; wrap each environment "
                     "in EmpowermentReward before it is vectorised"
                 )
-        self._places = places_of(envs[0], measure, max_states, identity)
-        self._followed = [_Followed(env, self._places) for env in envs]
+        self._states = tabulated_states(envs[0], measure, max_states, identity)
+        self._followed = [_Followed(env, self._states) for env in envs]
         envs[:] = self._followed
 
     @property
     def values(self) -> Float64[np.ndarray, "S"]:
-        return self._places.values
+        return self._states.values
 
     def now(self) -> Int64[np.ndarray, "N"]:
         return np.array([env.position.state for env in self._followed])
@@ -298,7 +304,8 @@ def _states_of(
     if isinstance(env, SyncVectorEnv):
         return _ManyStates(env, measure, max_states, identity)
     raise ValueError(
-        f"the states of a {type(env).__name__} cannot be seen from here; wrap each environment "
+        f"the states of a {type(env).__name__} cannot be accessed from this process; wrap each "
+        "environment "
         "in EmpowermentReward before it is vectorised"
     )
 

@@ -1,4 +1,4 @@
-"""What a functional environment says of its actions, observations and states, in JAX.
+"""Spaces of the actions, observations and states of a functional environment, in JAX.
 
 Where gymnax is installed these are its own, which its wrappers ask for by their class.
 """
@@ -10,7 +10,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, PRNGKeyArray
+from jaxtyping import Array, ArrayLike, Bool, PRNGKeyArray
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Discrete:
 class Box:
     """Arrays of whole numbers, each from `low` to `high`."""
 
-    low: Array
-    high: Array
+    low: ArrayLike
+    high: ArrayLike
     shape: tuple[int, ...]
     dtype: Any
 

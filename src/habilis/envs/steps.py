@@ -1,15 +1,17 @@
-"""What a functional environment does, as functions of arrays."""
+"""Resets and steps of a functional environment, as functions of arrays."""
 
 from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int, Int8, Int32, PRNGKeyArray
+from jaxtyping import Array, ArrayLike, Bool, Float, Int, Int8, Int32, PRNGKeyArray
 
 from habilis.envs.params import Params, State
 from habilis.envs.reward import EMPOWERMENT, EXTRINSIC
 from habilis.envs.table import ACTION_MASK
 from habilis.rewards.shaping import regularised
+
+Action = Int[ArrayLike, ""]
 
 Info = dict[str, Any]
 
@@ -17,7 +19,7 @@ Stepped = tuple[Array, State, Float[Array, ""], Bool[Array, ""], Bool[Array, ""]
 """Observation, state, reward, terminated, truncated, info."""
 
 Alone = tuple[Array, State, Float[Array, ""], Bool[Array, ""], Info]
-"""The same of a step after which no episode is begun; whether it is cut off is not said."""
+"""The same without truncated, of a step after which no episode is begun."""
 
 
 @jax.jit
@@ -28,7 +30,7 @@ def begin(params: Params) -> tuple[Array, State]:
 
 
 @jax.jit
-def step(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params) -> Stepped:
+def step(key: PRNGKeyArray, state: State, action: Action, params: Params) -> Stepped:
     """A step; where an episode has ended with it, the next one begins."""
     last, reached, reward, terminated, info = step_alone(key, state, action, params)
     truncated = cut_off(reached, params)
@@ -43,7 +45,7 @@ def step(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params
 
 
 @jax.jit
-def step_alone(key: PRNGKeyArray, state: State, action: Int[Array, ""], params: Params) -> Alone:
+def step_alone(key: PRNGKeyArray, state: State, action: Action, params: Params) -> Alone:
     """A step; an episode that has ended with it stays where it is."""
     actions, draw = params.actions, None
     if params.transitions.outcomes > 1:
@@ -81,12 +83,12 @@ def cut_off(state: State, params: Params) -> Bool[Array, ""]:
 
 
 def goes_on(terminated: Bool[Array, ""]) -> Float[Array, ""]:
-    """How much of what follows counts: nothing after an end."""
+    """The discount: 0 after an end."""
     return jnp.where(terminated, jnp.float32(0), jnp.float32(1))
 
 
 def observed(index: Int32[Array, ""], params: Params) -> Array:
-    """What is shown of a state."""
+    """The observation of a state."""
     seen = params.seen[index]
     if params.background is None:
         return seen

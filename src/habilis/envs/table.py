@@ -18,7 +18,7 @@ MAX_STEPS = 500
 
 
 ACTION_MASK = "action_mask"
-"""What `info` says of the actions, where some are not available in some states."""
+"""The key of `info` with the available actions, where some are not available everywhere."""
 
 
 class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
@@ -27,7 +27,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     Observation: as given, by default the value of each factor, counted from 0 among those that it
     has (`MultiDiscrete`). Action: `Discrete`, the table's. Reward and termination are the table's;
     an episode is cut off (truncated) after `max_steps`. Episodes begin in the table's start. `info`
-    has the state's index as "state", and what the given columns say of the state.
+    has the state's index as "state", and the state's values in the given columns.
 
     Where actions are not available everywhere, `info["action_mask"]`, int8[A], has a 1 for those
     that are, as `action_space.sample(mask=info["action_mask"])` takes it; a step with another is
@@ -59,7 +59,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         Args:
             mdp: the table; random outcomes are drawn from `np_random`.
             max_steps: the length of an episode, at most.
-            observation: what is shown of a state.
+            observation: of states; by default the value of each factor.
             columns: by name, a value for every state.
             slip: the probability that an action drawn uniformly takes the place of the chosen one.
 
@@ -83,11 +83,11 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         self._random = transitions.outcomes > 1
         self._terminal = self.mdp.ends.data
         self._masks = action_masks(self.mdp)
-        self._told = [(name, column.data) for name, column in self._columns.items()]
+        self._info_columns = [(name, column.data) for name, column in self._columns.items()]
 
     def __getstate__(self) -> dict[str, Any]:
         """For copies: views cannot be copied."""
-        views = ("_transitions", "_next_state", "_reward", "_terminal", "_told", "_masks")
+        views = ("_transitions", "_next_state", "_reward", "_terminal", "_info_columns", "_masks")
         return {name: value for name, value in vars(self).items() if name not in views}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -135,7 +135,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
         return int(there[self.np_random.integers(len(there))])
 
     def observe(self, state: int) -> np.ndarray:
-        """What is shown of a state.
+        """The observation of a state.
 
         Args:
             state: its index.
@@ -148,7 +148,7 @@ class TableEnv(gymnasium.Env[np.ndarray, np.int64]):
     def _info(self) -> dict[str, Any]:
         state = self.state
         info: dict[str, Any] = {"state": state}
-        for name, column in self._told:
+        for name, column in self._info_columns:
             info[name] = column[state]
         if self._masks is not None:
             info[ACTION_MASK] = self._masks[state].copy()
@@ -171,12 +171,12 @@ def action_masks(mdp: TabularMDP) -> Int8[np.ndarray, "S A"] | None:
 
 
 def unavailable(masks: Int8[np.ndarray, "S A"], state: int, action: int, where: str = "") -> str:
-    """Says that an action is not available, and which are.
+    """The message that an action is not available, and which are.
 
     Args:
         masks: of `action_masks`.
-        state, action: that were met.
-        where: what else to say of the place, as " of environment 3".
+        state, action: the pair.
+        where: further words on the place, as " of environment 3".
     """
     there = np.flatnonzero(masks[state])
     if not len(there):

@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
-from jaxtyping import Bool, Int8, Int64, Shaped
+from jaxtyping import Bool, Int, Int8, Int64, Shaped
 
 from habilis.envs.observations import Observation, ranks
 from habilis.envs.table import (
@@ -152,7 +152,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             self._restart(self._ended)
         return self._show(self.state), rewards, terminated, truncated, self._info() | final
 
-    def _checked(self, actions: Any) -> Int64[np.ndarray, "N"]:
+    def _checked(self, actions: Any) -> Int[np.ndarray, "N"]:
         """The actions, some of them drawn anew where there is slip."""
         chosen = as_array("actions", actions)
         if chosen.shape != (self.num_envs,) or chosen.dtype.kind not in "iu":
@@ -175,8 +175,8 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return chosen
 
     def _available(
-        self, chosen: Int64[np.ndarray, "N"], masks: Int8[np.ndarray, "S A"]
-    ) -> Int64[np.ndarray, "N"]:
+        self, chosen: Int[np.ndarray, "N"], masks: Int8[np.ndarray, "S A"]
+    ) -> Int[np.ndarray, "N"]:
         """The actions, if they are available; those of ended episodes do not matter."""
         wrong = (masks[self.state, chosen] == 0) & ~self._ended
         if wrong.any():
@@ -203,7 +203,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._any = bool(self._ended.any())
 
     def _info(self) -> dict[str, Any]:
-        """As of one environment, each an array, and beside it for which environments it is told."""
+        """Arrays of the values that one environment has, each beside the mask of environments."""
         info: dict[str, Any] = {"state": self.state.copy()}
         for name, column in self._columns.items():
             info[name] = column.take(self.state)
@@ -213,7 +213,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return info
 
     def _final(self, mask: Bool[np.ndarray, "N"]) -> dict[str, Any]:
-        """The last observations and infos of episodes that end, as Gymnasium's own have them."""
+        """The last observations and infos of episodes that end, in Gymnasium's format."""
         observations = np.full(self.num_envs, None, dtype=object)
         for number, shown in zip(np.flatnonzero(mask), self._show(self.state[mask]), strict=True):
             observations[number] = shown

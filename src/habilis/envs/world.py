@@ -1,6 +1,5 @@
 """The worlds as Gymnasium environments, one at a time and many at once."""
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,27 +8,23 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
-from jaxtyping import Shaped, UInt8
+from jaxtyping import Shaped
 
 from habilis.empowerment.api import Options
 from habilis.empowerment.old_keywords import OLD_KEYWORDS, with_method
-from habilis.envs.observations import Observation, Show, frames, observation
-from habilis.envs.screen import Screen
+from habilis.envs.observations import Observation, observation
+from habilis.envs.rendering import FRAMES_PER_SECOND, MODES, Renderer, Window, check_mode
 from habilis.envs.table import MAX_STEPS, TableEnv
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
 from habilis.worlds.characters import AGENT, GOAL, OBJECT
-from habilis.worlds.table import placement, tabulate
+from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import World, load_world
 
 Measures = Mapping[str, Mapping[str, Any]]
 """By name, the arguments of `habilis.empowerment`: {"toe": {"horizon": 6, "sensor": "object"}}."""
-
-_MODES = ("ansi", "rgb_array", "human")
-_FRAMES_A_SECOND = 4
-_CELL = 32  # pixels a cell of a rendered picture
 
 
 class WorldEnv(TableEnv):
@@ -57,7 +52,7 @@ class WorldEnv(TableEnv):
         (array([20, 30, 83]), True, 0.0)
     """
 
-    metadata = {"render_modes": list(_MODES), "render_fps": _FRAMES_A_SECOND}  # noqa: RUF012  # as Gymnasium has it
+    metadata = {"render_modes": list(MODES), "render_fps": FRAMES_PER_SECOND}  # noqa: RUF012  # as Gymnasium has it
 
     def __init__(
         self,
@@ -78,7 +73,7 @@ class WorldEnv(TableEnv):
                 `row * columns + column` (of several which is in hand too); "onehot", the same as
                 zeros and ones; "grid", uint8 `[channels, rows, columns]`; or "rgb", a picture. See
                 `observations.observation`.
-            measures: by name, arguments of `habilis.empowerment`, whose bits `info` then has.
+            measures: by name, arguments of `habilis.empowerment`, whose bits are in `info`.
             slip: the probability that an action drawn uniformly takes the place of the chosen one.
             render_mode: "ansi", "rgb_array", "human" (a window), or `None`.
 
@@ -86,16 +81,18 @@ class WorldEnv(TableEnv):
             ValueError: no such world, tool, observation, measure or mode, or a number is out of
                 its range.
         """
-        scene = Scene.of(world, tool, observation, measures, slip, render_mode)
+        check_mode(render_mode)
+        table = WorldTable.of(world, tool, observation, measures, slip)
         super().__init__(
-            scene.mdp,
+            table.mdp,
             max_steps,
-            observation=scene.observation,
-            columns=scene.columns,
+            observation=table.observation,
+            columns=table.columns,
             slip=slip,
         )
-        self.world, self.render_mode, self._scene = scene.world, render_mode, scene
-        self._screen: Screen | None = None
+        self.world, self.render_mode = table.world, render_mode
+        self._renderer = Renderer.of(table.world, table.mdp, render_mode)
+        self._window: Window | None = None
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -117,19 +114,19 @@ class WorldEnv(TableEnv):
             gymnasium.logger.warn('render() draws nothing: make it with render_mode="rgb_array"')
             return None
         if self.render_mode == "ansi":
-            return self._scene.text(self.state)
-        picture = self._scene.picture(self.state)
+            return self._renderer.text(self.state)
+        picture = self._renderer.picture(self.state)
         if self.render_mode == "rgb_array":
             return picture
-        if self._screen is None:
-            self._screen = Screen(f"habilis: {self.world.name}", _FRAMES_A_SECOND)
-        self._screen.show(picture)
+        if self._window is None:
+            self._window = Window(f"habilis: {self.world.name}")
+        self._window.show(picture)
         return None
 
     def close(self) -> None:
-        if self._screen is not None:
-            self._screen.close()
-            self._screen = None
+        if self._window is not None:
+            self._window.close()
+            self._window = None
 
 
 class WorldVectorEnv(TableVectorEnv):
@@ -149,7 +146,7 @@ class WorldVectorEnv(TableVectorEnv):
         array([False, False])
     """
 
-    metadata = {"render_modes": ["ansi", "rgb_array"], "render_fps": _FRAMES_A_SECOND}  # noqa: RUF012  # as Gymnasium has it
+    metadata = {"render_modes": ["ansi", "rgb_array"], "render_fps": FRAMES_PER_SECOND}  # noqa: RUF012  # as Gymnasium has it
 
     def __init__(
         self,
@@ -175,44 +172,44 @@ class WorldVectorEnv(TableVectorEnv):
         """
         if render_mode == "human":
             raise ValueError('render_mode "human" is for one environment; use "rgb_array"')
-        scene = Scene.of(world, tool, observation, measures, slip, render_mode)
+        check_mode(render_mode)
+        table = WorldTable.of(world, tool, observation, measures, slip)
         super().__init__(
-            scene.mdp,
+            table.mdp,
             num_envs,
             max_steps,
             autoreset_mode=autoreset_mode,
-            observation=scene.observation,
-            columns=scene.columns,
+            observation=table.observation,
+            columns=table.columns,
             slip=slip,
         )
-        self.world, self.render_mode, self._scene = scene.world, render_mode, scene
+        self.world, self.render_mode = table.world, render_mode
+        self._renderer = Renderer.of(table.world, table.mdp, render_mode)
 
     def render(self) -> tuple[Any, ...] | None:
         if self.render_mode is None:
             gymnasium.logger.warn('render() draws nothing: make it with render_mode="rgb_array"')
             return None
         if self.render_mode == "ansi":
-            return tuple(self._scene.text(int(state)) for state in self.state)
-        return tuple(self._scene.picture(self.state))
+            return tuple(self._renderer.text(int(state)) for state in self.state)
+        return tuple(self._renderer.picture(self.state))
 
 
 @dataclass(frozen=True)
-class Scene:
-    """A world as its environments need it.
+class WorldTable:
+    """A world with what its environments look up.
 
     Attributes:
         world: the map.
         mdp: its table.
-        observation: what is shown.
-        columns: what `info` says of every state.
-        draw: makes pictures, if they were asked for.
+        observation: of its states.
+        columns: by name, the values of every state that `info` has.
     """
 
     world: World
     mdp: TabularMDP
     observation: Observation
     columns: dict[str, Shaped[np.ndarray, "S"]]
-    draw: Show | None
 
     @classmethod
     def of(
@@ -222,12 +219,7 @@ class Scene:
         shown: str,
         measures: Measures | None,
         slip: float,
-        render_mode: str | None,
-    ) -> "Scene":
-        if render_mode is not None and render_mode not in _MODES:
-            raise ValueError(
-                f"render_mode {render_mode!r} is unknown; use one of {', '.join(_MODES)}"
-            )
+    ) -> "WorldTable":
         found = as_world(world)
         found = found if tool is None else found.with_tool(tool)
         mdp = tabulate(found)
@@ -245,29 +237,11 @@ class Scene:
                 columns[name] = kept_empowerment(noisy, **with_method("measures", arguments))
             except ValueError as error:
                 raise ValueError(f"measure {name!r}: {error}") from None
-        draw = None if render_mode in (None, "ansi") else frames(mdp, found, _CELL)
-        return cls(found, mdp, observation(shown, mdp, found), columns, draw)
-
-    def text(self, state: int) -> str:
-        """The map in the colours of a terminal, two characters a cell."""
-        from rich.console import Console
-
-        from habilis.worlds.pictures.figures import colored_text
-
-        terminal = Console(
-            file=io.StringIO(), force_terminal=True, color_system="truecolor", highlight=False
-        )
-        with terminal.capture() as captured:
-            terminal.print(colored_text(placement(self.world, self.mdp, state)), soft_wrap=True)
-        return captured.get()
-
-    def picture(self, states: Any) -> UInt8[np.ndarray, "*n height width 3"]:
-        assert self.draw is not None, "pictures are made in the modes that show them"
-        return self.draw(states)
+        return cls(found, mdp, observation(shown, mdp, found), columns)
 
 
 def _check_measure(measure: str, arguments: Any) -> None:
-    """Refuses what are no arguments of `habilis.empowerment` that give a value for every state."""
+    """Refuses arguments that do not make `habilis.empowerment` return a value for every state."""
     named = f"measure {measure!r}"
     example = '{"horizon": 6, "sensor": "object"}'
     known = ("horizon", "sensor", "actions", *Options.__annotations__)

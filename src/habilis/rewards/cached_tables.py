@@ -30,7 +30,7 @@ def kept_empowerment(
 ) -> Float64[np.ndarray, "S"]:
     """The empowerment of every state; the second time from the disk.
 
-    What is kept goes by the content of the table: another map, tool, sensor or horizon is
+    The key of the cache is the content of the table: another map, tool, sensor or horizon is
     another file, and an equal one the same, whatever it is called.
 
     Args:

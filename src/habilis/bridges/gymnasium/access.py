@@ -84,12 +84,12 @@ def _counters(layer: Any) -> dict[str, Any]:
     content = {name: value for name, value in vars(layer).items() if name != "env"}
     try:
         return copy.deepcopy(content)
-    except Exception:  # whatever they are: kept as they are
+    except Exception:  # whatever they are: left as they are
         return content
 
 
 class _Shared:
-    """What belongs to the classes of an environment and its parts, and is not copied with it.
+    """The attributes of the classes of an environment and its parts, which copies share.
 
     Their spaces and generators draw for all instances; all else should not change.
     """
@@ -232,7 +232,7 @@ class Copies:
         self._known: dict[bytes, Seen] = {}
         self._checked: set[bytes] = set()
         self._pickles = True
-        self.rewind(inner)  # says which attribute cannot be set
+        self.rewind(inner)  # refuses an attribute that cannot be set
         seen = self.look(inner)
         self.first = Snapshot(self.save(inner), seen)
         self.load(self.first)
@@ -254,7 +254,7 @@ class Copies:
         return seen
 
     def _fingerprint(self, inner: Any) -> bytes | None:
-        """Of the bytes that an environment is pickled as, its counters at their beginning."""
+        """The hash of the bytes that an environment is pickled as, its counters reset."""
         if not self._pickles:
             return None
         found = owners(inner, self._names)

@@ -1,7 +1,7 @@
-"""How values are encoded as bytes that are equal for equal values.
+"""Encodings of values as bytes that are equal for equal values.
 
-Some values are encoded alone, as atoms, others from the encodings of their parts. Each encoding
-says by its first byte of what kind it is, and where it ends.
+Some values are encoded alone, as atoms, others from the encodings of their parts. The first
+byte of an encoding is its kind; it contains where it ends.
 """
 
 import copyreg
@@ -306,7 +306,7 @@ def _is_rebuilt(cls: type) -> bool:
 
 
 def _first_defined(cls: type, *names: str) -> Any:
-    """What a class or, before all others, one of its bases calls so; not what `object` does."""
+    """The first attribute of one of these names in the bases of a class, `object` excepted."""
     found = (vars(base).get(name) for base in cls.__mro__[:-1] for name in names)
     return next((one for one in found if one is not None), None)
 
@@ -322,13 +322,13 @@ def _has_content(cls: type) -> bool:
 
 @cache
 def _is_pickled_whole(cls: type) -> bool:
-    """Whether no code in Python says what of an instance is pickled."""
+    """Whether no Python code selects what of an instance is pickled."""
     own = _first_defined(cls, "__reduce_ex__", "__reduce__", "__getstate__")
     return not isinstance(own, types.FunctionType) and cls not in copyreg.dispatch_table
 
 
 def _native_content(value: Any) -> Any:
-    """What it would be pickled as, but for its class."""
+    """Its pickled form without its class."""
     try:
         reduced = value.__reduce_ex__(4)
     except TypeError:

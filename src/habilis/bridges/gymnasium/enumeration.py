@@ -31,7 +31,7 @@ Mark = tuple[bytes, bool]
 """A state: the digest of its identity, and whether an episode has ended in it."""
 
 _TRIES = 20_000  # of steps that drew random numbers, with other numbers, in all
-_TRIES_AT_ONCE = 4  # of these, for each such step when it is first met
+_TRIES_AT_ONCE = 4  # of these, for each such step when it first appears
 _ROUNDS = 10  # in which all such steps are tried, some times each
 _SECONDS = 10.0  # that all of them may take
 
@@ -76,7 +76,7 @@ class Enumerated:
 
 @dataclass
 class _Found:
-    """The states met so far, in order, and the steps from those that were looked into."""
+    """The states found so far, in order, and the steps from those that were expanded."""
 
     access: Access
     max_states: int
@@ -181,7 +181,7 @@ def enumerate_states(
 
 
 def action_count(env: Any) -> int:
-    """How many actions an environment has.
+    """The number of actions of an environment.
 
     Raises:
         ValueError: they are not `Discrete(n)`.

@@ -29,7 +29,7 @@ from habilis.bridges.gymnasium.encodings import (
 
 @dataclass(frozen=True)
 class View:
-    """A value, and what was met in it.
+    """A value, and what it contains.
 
     Attributes:
         digest: 32 bytes; the same for equal values, in every process.
@@ -156,7 +156,7 @@ class Walk:
         try:
             token = composite(self, value, number)
         except IncomparableError:
-            self._known[id(value)] = DROPPED  # met again where it is left out
+            self._known[id(value)] = DROPPED  # found again where it is left out
             raise
         self._known[id(value)] = token
         return token

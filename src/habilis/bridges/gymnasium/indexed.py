@@ -78,7 +78,7 @@ class Indexed:
         return env
 
     def observation(self, state: int) -> Any:
-        """What the environment shows in a state, through all wrappers."""
+        """The environment's observation in a state, through all wrappers."""
         inner = unwrapped(self.env)
         shown = inner.observe(self._row(state)) if hasattr(inner, "observe") else self._row(state)
         for layer in reversed(layers(self.env)[:-1]):
@@ -111,7 +111,7 @@ def deep_copy_or_own(env: Any) -> Any:
 
 
 def verified(indexed: Indexed) -> int:
-    """How many transitions of a table were seen in replays of its environment.
+    """The number of transitions of a table that were seen in replays of its environment.
 
     Raises:
         ValueError: one came that the table does not list.

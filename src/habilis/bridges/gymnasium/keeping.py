@@ -1,4 +1,4 @@
-"""Enumerated tables, kept on disk: looking into every state of an environment takes seconds."""
+"""Enumerated tables, cached on disk: stepping through every state takes seconds."""
 
 import inspect
 import sys
@@ -16,7 +16,7 @@ from habilis.bridges.gymnasium.verification import follows, verified
 from habilis.cache import Arrays, fingerprint, kept
 from habilis.mdp import TabularMDP
 
-_EDITION = 3  # of what is kept: to be raised when it becomes another
+_EDITION = 3  # of the cached arrays: raise it when they change
 _COMPILED = ("builtins", "numpy", "pygame", "collections")  # known by their versions
 _FACTOR = "factor "
 
@@ -24,13 +24,13 @@ _FACTOR = "factor "
 def kept_states(env: Any, max_states: int, seed: int | None, identity: Identity) -> Enumerated:
     """The table of an environment by enumeration; the second time from the disk.
 
-    What is kept goes by the first state, the wrappers, and the source of the modules of all their
-    classes. Since a table from the disk could be that of other code still (of a function that
+    The cache's key is made of the first state, the wrappers, and the source of the modules of all
+    their classes. Since a table from the disk could still be that of other code (of a function that
     these call, say), it is verified by as many replays as a new one.
 
     Args:
         env, max_states, seed: as in `TabularMDP.from_gymnasium`.
-        identity: what makes two states the same; with functions of the user's, nothing is kept.
+        identity: what makes two states the same; with functions of the user's, nothing is cached.
 
     Returns:
         The table, without snapshots of its states.
@@ -57,7 +57,7 @@ def kept_states(env: Any, max_states: int, seed: int | None, identity: Identity)
 
 
 def _agrees(states: Access, env: Any, arrays: Arrays) -> bool:
-    """Whether an environment does what a table from the disk says."""
+    """Whether an environment follows a table from the disk."""
     seconds = max(float(arrays["seconds"]), LEAST_SECONDS)
     return follows(states, _enumerated(arrays), env, seconds)
 

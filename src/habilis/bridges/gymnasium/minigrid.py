@@ -1,4 +1,4 @@
-"""What a state of a Minigrid says of the things in it, and what its rewards are."""
+"""Factors of the states of a Minigrid, and its rewards."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -25,7 +25,7 @@ def minigrid_factors(states: Iterable[Any]) -> dict[str, Int32[np.ndarray, "S"]]
     """Factors of Minigrid's states.
 
     Args:
-        states: one environment each; the first says which things there are, in boxes too.
+        states: one environment each; the first has the things that there are, in boxes too.
 
     Returns:
         "agent": its cell, row * width + column; "direction": 0 east, 1 south, 2 west, 3 north;

@@ -23,12 +23,12 @@ _LATE_STEPS = 1000  # where something may happen late in an episode
 
 @dataclass(frozen=True)
 class Mismatch:
-    """A step that was not what the table says.
+    """A step that differs from the table.
 
     Attributes:
         actions: of the episode so far, the last one that of this step.
         state: from which the step was made.
-        expected, came: what the table says, and the environment.
+        expected, came: in the table, and in the environment.
         again: whether it was so only with other random numbers.
     """
 
@@ -57,7 +57,7 @@ class Mismatch:
 
 @dataclass(frozen=True)
 class Came:
-    """What one step came to.
+    """The result of one step.
 
     Attributes:
         state: the state that was reached.
@@ -176,7 +176,7 @@ Chooser = Callable[[int], int | None]
 def _choosers(
     coverage: _Coverage, dynamics: Dynamics, deadline: float, late: bool
 ) -> Iterator[Chooser]:
-    """How to choose in one episode after the other."""
+    """Choosers for one episode after the other."""
     starts = [dynamics.begin(0)[1]]  # of the episode before
     while coverage.path(starts[-1]) and time.thread_time() < deadline:
         before = len(coverage.seen)

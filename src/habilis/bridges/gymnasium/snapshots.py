@@ -1,4 +1,4 @@
-"""How the states of an environment are kept, restored and compared.
+"""Snapshots of the states of an environment: made, restored and compared.
 
 As deep copies of the unwrapped environment; by its own `get_state` and `set_state`; or by two
 functions of the wrapped environment that the user gives.
@@ -12,7 +12,7 @@ from typing import Any, Protocol, runtime_checkable
 from habilis.bridges.gymnasium.identity import View, view
 
 StateFunctions = tuple[Callable[[Any], Any], Callable[[Any, Any], Any]]
-"""`save(env)` returns a value, which says which state it is; `load(env, value)` restores it."""
+"""`save(env)` returns the value of the state; `load(env, value)` restores it."""
 
 STATE_ADVICE = "give state=(save, load), two functions that return and restore its state"
 
@@ -35,7 +35,7 @@ class Identity:
         if isinstance(self.ignore, str) or not all(isinstance(one, str) for one in self.ignore):
             raise ValueError(f"ignore is {self.ignore!r}; give a list of names, as ['steps']")
         if self.key is not None and (self.ignore or self.state):
-            raise ValueError("key says by itself what a state is; leave out ignore and state")
+            raise ValueError("key alone defines the state; leave out ignore and state")
         pair = self.state
         if pair is not None and not (
             isinstance(pair, tuple | list) and len(pair) == 2 and all(map(callable, pair))
@@ -82,7 +82,7 @@ def keeps_states(inner: Any) -> bool:
 
 
 def called(function: Callable[..., Any], *given: Any, name: str) -> Any:
-    """What a function of the user's returns.
+    """The result of a function of the user's.
 
     Raises:
         ValueError: it raises something; the message says what.
@@ -113,7 +113,7 @@ class Snapshot:
     """A state of an environment.
 
     Attributes:
-        content: what is kept of it: a copy, or what it was saved as.
+        content: a copy, or what it was saved as.
         seen: its identity.
     """
 
@@ -127,7 +127,7 @@ class Access(Protocol):
 
     Attributes:
         first: the first state.
-        shown: what the environment shows in it; `None` if it was not reset.
+        shown: its observation; `None` if the environment was not reset.
         own: whether states are loaded into the user's own environment, not into copies.
         counts: whether there are attributes that run on in episodes and are no part of a state.
     """
@@ -170,11 +170,11 @@ class Access(Protocol):
         ...
 
     def loader(self, snapshot: Snapshot) -> Callable[[], tuple[Any, Sequence[Any]]]:
-        """What loads a state again and again, and returns its random generators, too."""
+        """A function that loads a state again and again, and returns its random generators, too."""
         ...
 
     def parts(self, snapshot: Snapshot) -> dict[str, Any]:
-        """By name, what a state is made of, to say in what two of them differ."""
+        """The parts of a state by name, to name those in which two states differ."""
         ...
 
 

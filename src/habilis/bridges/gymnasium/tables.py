@@ -53,7 +53,7 @@ def _hint(env: Any) -> str:
 
 
 def is_indexed(env: Any, identity: Identity) -> bool:
-    """Whether an environment brings its table along, and says where in it it is."""
+    """Whether an environment has its own table, and the row that it is in."""
     inner = unwrapped(env)
     return identity.state is None and (
         isinstance(getattr(inner, "dynamics", None), TabularMDP) or has_table(inner)
@@ -142,7 +142,7 @@ class Enumeration:
         return env
 
     def observation(self, state: int) -> Any:
-        """What the environment shows in a state, through its wrappers."""
+        """The environment's observation in a state, through its wrappers."""
         if state == 0 and self.access.shown is None:
             raise ValueError(
                 "what the first state shows is not known with seed=None; give the seed of a reset"

@@ -29,7 +29,7 @@ def has_table(inner: Any) -> bool:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """What a `P` lists, as flat arrays of one entry an outcome.
+    """The outcomes in a `P`, as flat arrays of one entry an outcome.
 
     Attributes:
         state, action: int64[N], of which transition it is an outcome.
@@ -50,7 +50,7 @@ class Outcomes:
 
     @classmethod
     def of(cls, P: Any, actions: int) -> "Outcomes":
-        """What a `P` lists.
+        """The outcomes in a `P`.
 
         Raises:
             ValueError: it has not one list of outcomes for each state and action.
@@ -212,7 +212,7 @@ def _entry_rewards(
 
 @dataclass(frozen=True)
 class _Known:
-    """What a table does not say of a toy-text environment."""
+    """What is known of a toy-text environment besides its table."""
 
     actions: tuple[str, ...]
     factors: Callable[[Any, int], Factors]

@@ -25,7 +25,7 @@ _CHANGES = {
 def verified(
     access: Access, found: Enumerated, env: Any, identity: Identity, show_progress: bool = False
 ) -> int:
-    """How many transitions of a table were seen in replays, which take no longer than it did.
+    """The number of transitions of a table seen in replays, which take no longer than it did.
 
     Args:
         access: the environment's states.
@@ -35,7 +35,7 @@ def verified(
         show_progress: whether to draw progress bars.
 
     Raises:
-        ValueError: a step was another than the table's; the message says which, and what to do.
+        ValueError: a step was another than the table's; the message names the step and the fix.
     """
     seconds = max(found.seconds, LEAST_SECONDS)
     seen, mismatch = _replayed(access, found, env, seconds, show_progress)
@@ -184,7 +184,7 @@ def _steps_by_itself(layer: Any) -> bool:
 
 
 def _inner_follows(access: Access, found: Enumerated, actions: Sequence[int]) -> bool:
-    """Whether the unwrapped environment does by itself what the table says."""
+    """Whether the unwrapped environment by itself follows the table."""
     env, state = access.load(access.first), 0
     for action in actions:
         _, _, terminated, _ = made_step(env, action, f"state {state}")

@@ -22,11 +22,11 @@ Measure = Callable[[TabularMDP], Float64[np.ndarray, "S"]]
 
 
 @runtime_checkable
-class Places(Protocol):
+class TabulatedStates(Protocol):
     """The states of an environment as indices."""
 
     values: Float64[np.ndarray, "S"]
-    """Of each state."""
+    """float64[S]."""
 
     def begun(self, env: Any, observation: Any) -> int:
         """The state in which an episode begins."""
@@ -41,7 +41,9 @@ class Places(Protocol):
         ...
 
 
-def places_of(env: Any, measure: Measure, max_states: int, identity: Identity) -> Places:
+def tabulated_states(
+    env: Any, measure: Measure, max_states: int, identity: Identity
+) -> TabulatedStates:
     """The states of an environment, and their values.
 
     Args:
@@ -57,12 +59,12 @@ def places_of(env: Any, measure: Measure, max_states: int, identity: Identity) -
     check_environment(env, identity)
     if is_indexed(env, identity):
         found = indexed(env, max_states)
-        return _IndexedPlaces(found, measure(found.mdp))
-    return _EnumeratedPlaces(env, measure, max_states, identity)
+        return _IndexedStates(found, measure(found.mdp))
+    return _EnumeratedStates(env, measure, max_states, identity)
 
 
 def same_table(one: Any, other: Any) -> bool:
-    """Whether `places_of` one environment serve for another too.
+    """Whether the states of one environment serve for another too.
 
     Where states are enumerated they do: other layouts are distinguished.
     """
@@ -85,13 +87,13 @@ class Position:
 
     Attributes:
         env: the environment, with the wrappers inside.
-        places: its states.
+        states: its states as indices.
         state: the index of the present one; -1 before the first reset.
         reached: that which the last step led to, before another episode began.
     """
 
     env: Any
-    places: Places
+    states: TabulatedStates
     state: int = -1
     reached: int = -1
 
@@ -100,10 +102,16 @@ class Position:
 
     def begin(self, observation: Any) -> None:
         """After a reset."""
-        self.state = self.places.begun(self.env, observation)
+        self.state = self.states.begun(self.env, observation)
         self._steps, self._over = 0, False
 
-    def step(self, action: Any, observation: Any, terminated: bool, truncated: bool) -> None:
+    def step(
+        self,
+        action: Any,
+        observation: Any,
+        terminated: bool | np.bool_,
+        truncated: bool | np.bool_,
+    ) -> None:
         """After a step.
 
         Raises:
@@ -114,8 +122,8 @@ class Position:
             self.reached, self._over = self.state, bool(terminated or truncated)
             return
         self._steps += 1
-        possible = self.places.possible(self.state, int(action))
-        reached = self.places.reached(self.env, observation, bool(terminated))
+        possible = self.states.possible(self.state, int(action))
+        reached = self.states.reached(self.env, observation, bool(terminated))
         if reached is None or reached not in possible:
             raise ValueError(self._difference(int(action), possible, reached, bool(terminated)))
         self.state = self.reached = reached
@@ -141,8 +149,8 @@ class Position:
 
 
 @dataclass
-class _IndexedPlaces:
-    """Of environments that say themselves in which row of their table they are."""
+class _IndexedStates:
+    """The states of environments that hold the row of their table themselves."""
 
     table: Indexed
     values: Float64[np.ndarray, "S"]
@@ -158,8 +166,8 @@ class _IndexedPlaces:
         return self.table.after(state, action)
 
 
-class _EnumeratedPlaces:
-    """Of environments whose table is enumerated; further layouts as they are met."""
+class _EnumeratedStates:
+    """The states of enumerated environments; further layouts are added as they appear."""
 
     def __init__(self, env: Any, measure: Measure, max_states: int, identity: Identity):
         self._measure, self._max_states, self._identity = measure, max_states, identity
