@@ -18,19 +18,25 @@ a plan a step or two too long (`docs/learning.md`).
 """
 
 import math
+import sys
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 
 from habilis.files import write_whole
 from habilis.learning.config import Config
-from habilis.learning.train import train
+from habilis.learning.runs import Run
+from habilis.progress import progress_bar
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.settings import FAST_MAPS, SETTINGS
+from habilis.sweeps.sweep import sweep
 
 RESULTS = Path(__file__).parent / "results" / "calibration.csv"
+WORK = Path("calibration")
+"""Where finished runs are kept until their stage is in the results."""
 
 GRID: dict[str, tuple] = {
     "envs, rollout": ((16, 5),),
@@ -56,7 +62,6 @@ SCREEN = {"runs": 5, "seed": 1001, "episodes": 60_000, "steps": 3_000_000}
 CONFIRM = {"runs": 20, "seed": 2001, "episodes": 200_000, "steps": 4_000_000}
 """Then those that came first, until one is dependable."""
 _CONFIRMED_TOGETHER = 4
-_TOGETHER = 6  # settings in one call, whose lanes fill each other's batches
 
 VANILLA = [(e, row) for e in EXPERIMENTS for row in e.rows if row.vanilla]
 
@@ -84,34 +89,40 @@ def vanilla_configs(setting: dict, stage: dict) -> list[Config]:
 def run_stage(stage: str, budget: dict, settings: list[dict]) -> None:
     """Trains what is not yet in the results, and adds it there."""
     done = [setting for setting, _ in _results(stage)] if RESULTS.exists() else []
-    todo = [setting for setting in settings if setting not in done]
-    for first in range(0, len(todo), _TOGETHER):
-        some = todo[first : first + _TOGETHER]
-        configs = [vanilla_configs(setting, budget) for setting in some]
-        runs = iter(train([c for group in configs for c in group]))
-        rows = []
-        for setting, group in zip(some, configs, strict=True):
-            for config in group:
-                run = next(runs)
-                steps = run.episodes.group_by("run").agg(pl.col("steps").sum()).sort("run")["steps"]
-                rows.append(
-                    {"stage": stage, "world": config.world, "tool": config.tool}
-                    | setting
-                    | {
-                        "runs": config.runs,
-                        "converged": sum(at is not None for at in run.converged_at),
-                        "slowest": steps.max(),
-                        "episodes": " ".join(
-                            "-" if n is None else str(n) for n in run.converged_at
-                        ),
-                    }
-                )
-        table = pl.DataFrame(rows)
-        if RESULTS.exists():
-            table = pl.concat([pl.read_csv(RESULTS), table], how="vertical_relaxed")
-        write_whole(RESULTS, table.write_csv)
-        for row in rows:
-            print(*row.values(), flush=True)
+    points = [
+        (setting, config)
+        for setting in settings
+        if setting not in done
+        for config in vanilla_configs(setting, budget)
+    ]
+    if not points:
+        return
+    with progress_bar("tasks", sys.stderr.isatty()) as on_progress:
+        how: dict[str, Any] = {"resume": True, "measures": (episode_steps,)}
+        configs = [config for _, config in points]
+        runs = sweep(configs, WORK / stage, on_progress=on_progress, **how)
+    rows = [
+        {"stage": stage, "world": config.world, "tool": config.tool}
+        | setting
+        | {
+            "runs": config.runs,
+            "converged": part["converged_at"].count(),
+            "slowest": int(part.select(pl.coalesce("steps_of_episodes", "steps_had").max()).item()),
+            "episodes": " ".join("-" if n is None else str(n) for n in part["converged_at"]),
+        }
+        for (setting, config), part in zip(points, runs.partition_by("point"), strict=True)
+    ]
+    table = pl.DataFrame(rows)
+    if RESULTS.exists():
+        table = pl.concat([pl.read_csv(RESULTS), table], how="vertical_relaxed")
+    write_whole(RESULTS, table.write_csv)
+    for row in rows:
+        print(*row.values(), flush=True)
+
+
+def episode_steps(run: Run, index: int) -> dict[str, float]:
+    """The steps of a run's episodes, without those of its last stretch after it converged."""
+    return {"steps_of_episodes": float(run.episodes.filter(run=index)["steps"].sum())}
 
 
 @dataclass(frozen=True)

@@ -22,13 +22,14 @@ import jax
 import numpy as np
 
 from habilis.files import write_whole
-from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
-from habilis.learning.jobs import Job
+from habilis.learning.runs import Run
 from habilis.studies.maps import MAPS, world_source
 from habilis.studies.pace.data import BLOCK, Pair, first_success, load_pace
 from habilis.studies.paper.published import EXPERIMENTS, FIRST_WORLD, REWARDS
 from habilis.studies.paper.settings import FAST_MAPS, row_config
+from habilis.sweeps.training import outcomes, tasks_of, train_tasks
+from habilis.tasks.task import Arrays
 from research.pace.design import Setting, parts, settings
 
 SCREEN: Setting = {"runs": 5, "seed": 31_001, "episodes": 1_000_000, "steps": 15_000_000}
@@ -118,20 +119,33 @@ def trained(
         return done
     place = world_source(world)
     every = settings()
-    jobs = [
-        Job.of(i, Config.from_dict(every[n] | budget | {"world": place, "tool": tool}))
-        for i, n in enumerate(todo)
-    ]
-    began = time.perf_counter()
-    train_jobs(jobs, stopped=stopped, lanes=lanes)
-    for number, job in zip(todo, jobs, strict=True):
-        if all(record.ended for record in job.records):
-            done[number, world, tool] = _line(number, world, tool, every[number], job)
+    began, steps = time.perf_counter(), 0
+    configs = [Config.from_dict(every[n] | budget | {"world": place, "tool": tool}) for n in todo]
+    for number, runs in zip(todo, _runs(configs, stopped, lanes), strict=True):
+        if runs is not None:
+            done[number, world, tool] = _line(number, world, tool, every[number], runs)
+            steps += sum(run["steps_had"] for run in runs)
     _write(out, done)
-    steps = sum(record.steps for job in jobs for record in job.records)
     seconds = time.perf_counter() - began
     print(f"{world} {tool} {todo}: {steps / 1e6:.0f} M steps, {seconds:.0f} s", flush=True)
     return done
+
+
+def _runs(configs: Sequence[Config], stopped: Any, lanes: int | None) -> list[list[Line] | None]:
+    """The outcomes of the runs of each configuration; `None` where time did not suffice.
+
+    A run that diverges is one that has not converged; it does not stop the others.
+    """
+    tasks = [tasks_of(config, measures=(first_success_of,)) for config in configs]
+    found: dict[str, Arrays] = {}
+    every = [task for some in tasks for task in some]
+    train_tasks(every, found.__setitem__, stopped, lanes=lanes)
+    return [
+        [run for task in some for run in outcomes(found[task.name])]
+        if all(task.name in found for task in some)
+        else None
+        for some in tasks
+    ]
 
 
 def ensemble(
@@ -148,10 +162,9 @@ def ensemble(
         ]
         if not todo or stopped():
             continue
-        jobs = [Job.of(i, row_config(experiment, row, budget, pair)) for i, row in enumerate(todo)]
-        train_jobs(jobs, stopped=stopped, lanes=lanes)
-        for row, job in zip(todo, jobs, strict=True):
-            if not all(record.ended for record in job.records):
+        configs = [row_config(experiment, row, budget, pair) for row in todo]
+        for row, runs in zip(todo, _runs(configs, stopped, lanes), strict=True):
+            if runs is None:
                 continue
             key = number, world, row.tool, REWARDS[row.intrinsic]
             names = ("pair", "map", "tool", "reward")
@@ -160,7 +173,7 @@ def ensemble(
                 dict(zip(names, key, strict=True))
                 | {"setting": pair.setting, "horizon": row.horizon, "beta": row.beta}
                 | maps
-                | outcome(job)
+                | outcome(runs)
             )
         _write(out, done)
 
@@ -192,28 +205,31 @@ def _write(path: Path, done: dict[Any, Line]) -> None:
     write_whole(path, lambda file: file.write(rows.encode()))
 
 
-def _line(number: int, world: str, tool: str, setting: Setting, job: Job) -> Line:
+def _line(number: int, world: str, tool: str, setting: Setting, runs: list[Line]) -> Line:
     fields = Config.from_dict(setting).as_dict()
     names = sorted(name for name in fields if name in setting)
     shown = {n: "-".join(map(str, v)) if isinstance(v := fields[n], tuple) else v for n in names}
-    return {"setting": number, **shown, "map": world, "tool": tool, **outcome(job)}
+    return {"setting": number, **shown, "map": world, "tool": tool, **outcome(runs)}
 
 
-def outcome(job: Job) -> Line:
+def outcome(runs: list[Line]) -> Line:
     """The results of an agent's runs."""
-    records = job.records
-    at = [record.converged_at for record in records]
-    curves = [learning_curve(record.episodes()[:, 1]) for record in records]
-    first = [first_success(curve, job.best_return) for curve in curves]
     return {
-        "runs": len(records),
-        "converged": sum(n is not None for n in at),
-        "episodes": _words(at),
-        "first_success": _words(None if np.isinf(n) else int(n) for n in first),
-        "had": _words([record.count for record in records]),
-        "steps": _words([record.steps for record in records]),
+        "runs": len(runs),
+        "converged": sum(run["converged_at"] is not None for run in runs),
+        "episodes": _words(run["converged_at"] for run in runs),
+        "first_success": _words(run.get("first_success") for run in runs),
+        "had": _words(run["episodes_had"] for run in runs),
+        "steps": _words(run["steps_had"] for run in runs),
         "device": jax.devices()[0].device_kind,
     }
+
+
+def first_success_of(run: Run, index: int) -> dict[str, float | None]:
+    """`first_success` of a run."""
+    curve = learning_curve(run.episodes.filter(run=index)["return"].to_numpy())
+    first = first_success(curve, run.best_return)
+    return {"first_success": None if np.isinf(first) else float(first)}
 
 
 def learning_curve(returns: np.ndarray) -> np.ndarray:
@@ -225,8 +241,8 @@ def _converged(line: Line | None) -> int:
     return 0 if line is None else int(line["converged"])
 
 
-def _words(numbers: Iterable[int | None]) -> str:
-    return " ".join("-" if n is None else str(n) for n in numbers)
+def _words(numbers: Iterable[float | None]) -> str:
+    return " ".join("-" if n is None else f"{n:.0f}" for n in numbers)
 
 
 def _arguments() -> argparse.Namespace:

@@ -3,6 +3,7 @@
 import polars as pl
 import pytest
 
+from habilis.learning.train import train
 from habilis.studies.paper.settings import frozen_settings
 from research import calibration
 from research.calibration import frozen, scores, settings_grid, vanilla_configs
@@ -58,3 +59,20 @@ def test_convergence_comes_before_speed(results):
     assert first.converged
     assert not second.converged
     assert first.steps == pytest.approx(200)
+
+
+def test_a_stage_is_trained_once_and_added_to_the_results(tmp_path, monkeypatch):
+    monkeypatch.setattr(calibration, "RESULTS", tmp_path / "results.csv")
+    monkeypatch.setattr(calibration, "WORK", tmp_path / "work")
+    budget = {"runs": 2, "seed": 1, "episodes": 30, "steps": 40_000}
+    setting = settings_grid()[0]
+    calibration.run_stage("screen", budget, [setting])
+    rows = pl.read_csv(tmp_path / "results.csv")
+    runs = train(vanilla_configs(setting, budget))
+    assert rows["world"].to_list() == [run.config.world for run in runs]
+    steps = [run.episodes.group_by("run").agg(pl.col("steps").sum())["steps"] for run in runs]
+    assert rows["slowest"].to_list() == [some.max() for some in steps]
+    assert rows.select("runs", "converged", "episodes").rows() == [(2, 0, "- -")] * 3
+    before = (tmp_path / "results.csv").read_bytes()
+    calibration.run_stage("screen", budget, [setting])
+    assert (tmp_path / "results.csv").read_bytes() == before

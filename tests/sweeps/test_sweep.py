@@ -11,6 +11,7 @@ import polars as pl
 import pytest
 
 from habilis.cli import main
+from habilis.learning.train import train
 from habilis.sweeps.store import LAYOUT, results
 from habilis.sweeps.sweep import sweep
 from habilis.sweeps.training import tasks_of, train_tasks
@@ -157,6 +158,24 @@ def test_more_points_and_runs_are_added_to_what_is_there(config, tmp_path):
     assert len(trained) == 3
     assert frame.height == 14
     assert frame[:5].equals(few)
+
+
+def steps_taken(run, index):
+    """A measure: all steps of a run's episodes."""
+    return {"steps_taken": int(run.episodes.filter(run=index)["steps"].sum())}
+
+
+def test_measurements_are_columns_of_the_results(config, tmp_path):
+    folder, measures = tmp_path / "sweep", (steps_taken,)
+    frame = sweep([config.changed(runs=2)], folder, measures=measures)
+    assert results(folder, measures).equals(frame)
+    assert frame.columns[-2:] == ["steps_taken", "curve"]
+    (run,) = train([config.changed(runs=2)])
+    taken = run.episodes.group_by("run", maintain_order=True).agg(pl.col("steps").sum())["steps"]
+    assert frame["steps_taken"].to_list() == taken.to_list()
+    with processes(1) as executor:
+        other = sweep([config], tmp_path / "other", executor=executor, measures=measures)
+    assert other[:2].drop("seconds").equals(frame.drop("seconds"))
 
 
 def test_a_result_that_comes_twice_is_kept_once(config, tmp_path):

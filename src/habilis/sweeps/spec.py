@@ -1,4 +1,4 @@
-"""What to sweep over, from a SPEC.toml.
+"""The specification of a sweep: a SPEC.toml.
 
 [config]                                    any settings, as `habilis train` has them
 preset = "book-cartpole"                    or a preset and what differs from it
@@ -7,9 +7,9 @@ runs = 10
 
 [grid]                                      every combination of these
 beta = [0.05, 0.08]
-"intrinsic, horizon" = [["state", 2], ["object", 3]]      these two together
+"intrinsic, horizon" = [["state", 2], ["object", 3]]      these two vary together
 
-[search]                                    or: what Optuna finds among these
+[search]                                    or: a search among these, by Optuna
 minimise = "mean_episodes"
 trials = 30
 seed = 0
@@ -49,7 +49,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Search:
-    """What is searched for, and where.
+    """The objective and the space of a search.
 
     Attributes:
         space: by a setting's name, or several names with commas, a `Range` or the values to
@@ -102,9 +102,9 @@ OBJECTIVES: dict[str, Callable[[pl.DataFrame], float]] = {
     "mean_episodes": _mean_episodes,
     "shortfall": _shortfall,
 }
-"""From the results of a point's runs to what is minimised: the mean of their episodes to
-convergence, their budget where they did not converge; how far the mean return of their last 100
-episodes is below that of a shortest plan."""
+"""Objectives to minimise, of the results of a point's runs: the mean of their episodes to
+convergence, or of their budget where they did not converge; and how far the mean return of their
+last 100 episodes is below that of a shortest plan."""
 
 
 _WANTED = "give the path of a TOML file with [config], and [grid] or [search]"

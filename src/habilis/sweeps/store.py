@@ -20,7 +20,15 @@ from habilis.files import write_whole
 from habilis.learning.config import Config
 from habilis.learning.folder import check_same_table
 from habilis.learning.jobs import digest_of_own_tool
-from habilis.sweeps.training import COLUMNS, TrainingTask, outcomes, plain, tasks_of
+from habilis.sweeps.training import (
+    COLUMNS,
+    CURVE,
+    RunMeasure,
+    TrainingTask,
+    outcomes,
+    plain,
+    tasks_of,
+)
 from habilis.tasks.session import Layout
 from habilis.tasks.store import DAMAGE, first_line, read
 from habilis.tasks.task import Arrays
@@ -77,16 +85,19 @@ def _points(path: Path) -> tuple[list[Point], list[str | None]]:
         ) from None
 
 
-def tasks_of_points(points: Sequence[Point]) -> list[TrainingTask]:
+def tasks_of_points(
+    points: Sequence[Point], measures: tuple[RunMeasure, ...] = ()
+) -> list[TrainingTask]:
     """The tasks of all points, in their order."""
-    return [task for config, world in points for task in tasks_of(config, world)]
+    return [task for config, world in points for task in tasks_of(config, world, measures)]
 
 
-def results(folder: str | Path) -> pl.DataFrame:
+def results(folder: str | Path, measures: Sequence[RunMeasure] = ()) -> pl.DataFrame:
     """The runs of a sweep that are finished, whether or not the sweep itself is.
 
     Args:
         folder: of the sweep.
+        measures: those with which it was made.
 
     Returns:
         One row a run of each point, in their order: "point" (from 0), the fields of its
@@ -95,30 +106,34 @@ def results(folder: str | Path) -> pl.DataFrame:
         steps that it took), "best_return" (of a shortest plan in its world), "final_return" (mean
         return of its last 100 episodes, NaN if it had none), "finite" (false if it diverged: its
         loss or parameters became infinite or NaN, which ended it), "seconds" (from its first step
-        to its last, while others trained beside it), and "curve" (mean return over each 100
-        episodes).
+        to its last, while others trained beside it), its measurements (null for a run that
+        diverged), and "curve" (mean return over each 100 episodes).
 
     Raises:
         ValueError: the folder holds no sweep, or a damaged one.
     """
     folder = Path(folder)
-    points = read_points(folder)
-    return table(points, read(tasks_of_points(points), folder / LAYOUT.results)[0])
+    points, every = read_points(folder), tuple(measures)
+    found, _ = read(tasks_of_points(points, every), folder / LAYOUT.results)
+    return table(points, found, every)
 
 
-def table(points: Sequence[Point], found: Mapping[str, Arrays]) -> pl.DataFrame:
+def table(
+    points: Sequence[Point], found: Mapping[str, Arrays], measures: tuple[RunMeasure, ...] = ()
+) -> pl.DataFrame:
     """`results` from the results of tasks in memory."""
     rows: list[dict[str, Any]] = []
     for number, (config, world) in enumerate(points):
         settings = plain(config)
         if "hidden" in settings:
             settings["hidden"] = ",".join(map(str, settings["hidden"]))
-        for task in tasks_of(config, world):
+        for task in tasks_of(config, world, measures):
             if task.name in found:
                 rows += [{"point": number} | settings | row for row in outcomes(found[task.name])]
-    own = [*COLUMNS, "curve"]
-    settings = dict.fromkeys(name for row in rows for name in row if name not in own)
-    columns = {name: [row.get(name) for row in rows] for name in (*settings, *own)}
+    own = dict.fromkeys(name for result in found.values() for name in result)
+    own = [*COLUMNS, *(name for name in own if name not in (*COLUMNS, *CURVE)), "curve"]
+    names = dict.fromkeys(name for row in rows for name in row if name not in own)
+    columns = {name: [row.get(name) for row in rows] for name in (*names, *own)}
     types = {"converged_at": pl.Int64, "curve": pl.List(pl.Float32)}
     return pl.DataFrame(columns, schema_overrides=types, infer_schema_length=None)
 

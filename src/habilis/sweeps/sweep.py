@@ -8,7 +8,7 @@ import polars as pl
 from habilis.files import writing
 from habilis.learning.config import Config
 from habilis.sweeps import store
-from habilis.sweeps.training import TrainingTask, check, train_tasks
+from habilis.sweeps.training import RunMeasure, TrainingTask, check, train_tasks
 from habilis.tasks.session import Session, opened
 from habilis.tasks.task import Executor, OnProgress
 from habilis.worlds.world import World, load_world
@@ -21,6 +21,7 @@ def sweep(
     executor: Executor[TrainingTask] = train_tasks,
     resume: bool = False,
     on_progress: OnProgress | None = None,
+    measures: Sequence[RunMeasure] = (),
 ) -> pl.DataFrame:
     """Trains all runs of many configurations, and keeps each task as soon as it is finished.
 
@@ -32,6 +33,9 @@ def sweep(
         resume: whether to go on in a folder that holds a sweep. What it has of these points is
             not trained again, whether or not it was begun with the same ones.
         on_progress: called whenever a task is finished.
+        measures: functions of a `Run` and the index of one of its runs that return measurements
+            by name: each becomes a column. They are called where a run is trained, as soon as it
+            has ended.
 
     Returns:
         One row a run of each point; see `store.results`.
@@ -47,10 +51,10 @@ def sweep(
         >>> sweep([config, config.changed(discount=0.9)], f"{mkdtemp()}/sweep").height
         4
     """
-    points = points_of(configs)
+    points, every = points_of(configs), tuple(measures)
     with opened(Path(out), store.LAYOUT, executor, resume) as session:
-        train_points(points, session, on_progress)
-        return finish(points, session)
+        train_points(points, session, on_progress, every)
+        return finish(points, session, every)
 
 
 def points_of(configs: Sequence[Config]) -> list[store.Point]:
@@ -76,7 +80,10 @@ def points_of(configs: Sequence[Config]) -> list[store.Point]:
 
 
 def train_points(
-    points: Sequence[store.Point], session: Session[TrainingTask], on_progress: OnProgress | None
+    points: Sequence[store.Point],
+    session: Session[TrainingTask],
+    on_progress: OnProgress | None,
+    measures: tuple[RunMeasure, ...] = (),
 ) -> None:
     """Trains what is not finished yet of all points that there are so far.
 
@@ -86,12 +93,16 @@ def train_points(
     with writing(session.folder):
         store.write_points(points, session.folder)
         store.remove_results(session.folder)
-    session.compute(store.tasks_of_points(points), on_progress)
+    session.compute(store.tasks_of_points(points, measures), on_progress)
 
 
-def finish(points: Sequence[store.Point], session: Session[TrainingTask]) -> pl.DataFrame:
+def finish(
+    points: Sequence[store.Point],
+    session: Session[TrainingTask],
+    measures: tuple[RunMeasure, ...] = (),
+) -> pl.DataFrame:
     """Writes the results of all points, and returns them."""
-    frame = store.table(points, session.results)
+    frame = store.table(points, session.results, measures)
     with writing(session.folder):
         store.write_results(frame, session.folder)
     return frame

@@ -36,7 +36,8 @@ COLUMNS: dict[str, type] = {
 }
 """The outcome of a run, besides its curve and its measurements; see `outcomes`."""
 
-_CURVE = ("curve", "curve_lengths")
+CURVE = ("curve", "curve_lengths")
+"""The learning curves of all runs of a result, one after another, and their lengths."""
 
 RunMeasure = Callable[[Run, int], Mapping[str, float | None]]
 """Measurements of a run, by its index in a `Run`: a function of a module, so that every process
@@ -150,7 +151,7 @@ def outcomes(result: Arrays) -> list[dict[str, Any]]:
         each 100 episodes.
     """
     ends = np.cumsum(result["curve_lengths"])[:-1]
-    measured = [name for name in result if name not in (*COLUMNS, *_CURVE)]
+    measured = [name for name in result if name not in (*COLUMNS, *CURVE)]
     columns = [result[name].tolist() for name in (*COLUMNS, *measured)]
     rows = []
     for values, curve in zip(
