@@ -32,7 +32,7 @@ from habilis.learning.runs import Run
 from habilis.progress import progress_bar
 from habilis.studies.paper.published import EXPERIMENTS
 from habilis.studies.paper.settings import FAST_MAPS, SETTINGS
-from habilis.sweeps.sweep import sweep
+from habilis.sweeps import sweep
 
 RESULTS = Path(__file__).parent / "results" / "calibration.csv"
 WORK = Path("calibration")

@@ -23,6 +23,7 @@ PACKAGES = (
     "habilis.analysis",
     "habilis.channels",
     "habilis.envs",
+    "habilis.sweeps",
     "habilis.worlds",
     "habilis.worlds.pictures",
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 from habilis.files import check_folder
 from habilis.interruption import Interrupted
 from habilis.progress import progress_bar
-from habilis.sweeps.sweep import sweep
+from habilis.sweeps import sweep
 from research.multiverse.report import write_page, write_study
 from research.multiverse.results import Multiverse, joined
 from research.multiverse.settings import agents, all_maps

@@ -21,7 +21,7 @@ from habilis.files import write_whole
 from habilis.progress import progress_bar
 from habilis.studies.paper.published import EXPERIMENTS, REWARDS
 from habilis.studies.paper.settings import FAST_MAPS, FULL, row_config
-from habilis.sweeps.sweep import sweep
+from habilis.sweeps import sweep
 from research.multiverse import claims
 from research.multiverse.settings import BETAS, HORIZONS, LEARNERS, Condition, agents
 

@@ -15,8 +15,8 @@ from habilis.learning.config import Config
 from habilis.learning.folder import load_run, read_world
 from habilis.learning.intrinsic import value_table
 from habilis.learning.jobs import Job, digest_of_own_tool
+from habilis.sweeps import sweep
 from habilis.sweeps.store import read_points, results
-from habilis.sweeps.sweep import sweep
 from habilis.sweeps.training import tasks_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "rake.py"

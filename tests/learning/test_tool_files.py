@@ -14,8 +14,8 @@ from habilis.cli import main
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run, read_world
 from habilis.learning.jobs import Job, digest_of_own_tool
+from habilis.sweeps import sweep
 from habilis.sweeps.store import LAYOUT, read_points, results
-from habilis.sweeps.sweep import sweep
 from habilis.sweeps.training import tasks_of
 from habilis.tasks.local import processes
 from habilis.worlds.tools import Picker

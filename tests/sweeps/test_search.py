@@ -7,7 +7,7 @@ import polars as pl
 import pytest
 
 from habilis.cli import main
-from habilis.sweeps.search import best_point, search
+from habilis.sweeps.searches import best_point, search
 from habilis.sweeps.spec import OBJECTIVES, Range, Search, Spec, read_spec
 from habilis.sweeps.store import LAYOUT, results
 

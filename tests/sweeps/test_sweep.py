@@ -12,8 +12,8 @@ import pytest
 
 from habilis.cli import main
 from habilis.learning.train import train
+from habilis.sweeps import sweep
 from habilis.sweeps.store import LAYOUT, results
-from habilis.sweeps.sweep import sweep
 from habilis.sweeps.training import tasks_of, train_tasks
 from habilis.tasks.local import available_memory, peak_memory, processes
 

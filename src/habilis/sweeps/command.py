@@ -10,9 +10,9 @@ from rich.table import Table
 
 from habilis.extras import import_from
 from habilis.progress import progress_bar
+from habilis.sweeps.grids import sweep
 from habilis.sweeps.spec import Spec, read_spec
 from habilis.sweeps.store import LAYOUT
-from habilis.sweeps.sweep import sweep
 from habilis.sweeps.training import TrainingTask, train_tasks
 from habilis.tasks.local import processes
 from habilis.tasks.task import Executor
@@ -34,7 +34,7 @@ def run(args: Namespace, show_progress: bool) -> dict[str, Any]:
         if spec.search is None:
             frame = sweep(spec.grid, args.out, **how)
         else:
-            search = import_from("habilis.sweeps.search", "sweep")
+            search = import_from("habilis.sweeps.searches", "sweep")
             frame = search.search(spec, args.out, **how)
             best["best"] = search.best_point(frame, spec.search.minimise)
     return {"points": summary(frame, spec).to_dicts(), **best, "out": str(args.out)}

@@ -13,8 +13,8 @@ from optuna.trial import TrialState
 
 from habilis.files import writing
 from habilis.sweeps import store
+from habilis.sweeps.grids import finish, points_of, train_points
 from habilis.sweeps.spec import OBJECTIVES, Range, Search, Spec, default_of, split
-from habilis.sweeps.sweep import finish, points_of, train_points
 from habilis.sweeps.training import TrainingTask, train_tasks
 from habilis.tasks.session import Session, opened
 from habilis.tasks.task import Executor, OnProgress
