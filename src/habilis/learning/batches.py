@@ -3,7 +3,7 @@
 import heapq
 import itertools
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from numbers import Integral
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
+from jaxtyping import Int
 
 from habilis.cache import cache_folder
 from habilis.files import check_folder
@@ -204,7 +205,7 @@ def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _
     sound = finite(stack)
     log = jax.tree.map(np.asarray, log)
 
-    def gains(part: Sequence[int]) -> list[Gain | NotFiniteError]:
+    def gains(part: Int[np.ndarray, "n"]) -> list[Gain | NotFiniteError]:
         return [_gain(*seats[i], log, places[i], bool(sound[places[i]])) for i in part]
 
     # A few runs at a time: handing over each of them would cost as much as its sums.

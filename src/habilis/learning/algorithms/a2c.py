@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray, Shaped
 
 from habilis.checks import setting
 from habilis.learning.algorithms import actor_critic, help_texts
@@ -85,7 +85,7 @@ class A2C:
         inputs, activations = jax.tree.map(_flat, experience.aux)
         available = context.task.available_in(experience.state.reshape(-1))
 
-        def loss_of(outputs: Float[Array, "n A+1"], *rest: Any) -> Float[Array, ""]:
+        def loss_of(outputs: Float[Array, "n outputs"], *rest: Any) -> Float[Array, ""]:
             return actor_critic_loss(actor_critic.masked_outputs(outputs, available), *rest)
 
         loss, of_outputs = jax.value_and_grad(loss_of)(
@@ -108,7 +108,7 @@ class A2C:
 
 
 def actor_critic_loss(
-    outputs: Float[Array, "n A+1"],
+    outputs: Float[Array, "n outputs"],
     action: Int[Array, "n"],
     advantage: Float[Array, "n"],
     target: Float[Array, "n"],
@@ -132,5 +132,5 @@ def actor_critic_loss(
     ).mean(where=mask)
 
 
-def _flat(x: Float[Array, "T E *rest"]) -> Float[Array, "n *rest"]:
+def _flat(x: Shaped[Array, "T E *rest"]) -> Shaped[Array, "n *rest"]:
     return x.reshape(-1, *x.shape[2:])

@@ -117,8 +117,8 @@ def values(task: Task, network: ActorCritic) -> Float[Array, "S"]:
 
 
 def masked_outputs(
-    outputs: Float[Array, "*n A+1"], available: Bool[Array, "*n A"] | None
-) -> Float[Array, "*n A+1"]:
+    outputs: Float[Array, "*n outputs"], available: Bool[Array, "*n A"] | None
+) -> Float[Array, "*n outputs"]:
     """Outputs whose logits leave unavailable actions a probability of 0, and no gradient."""
     if available is None:
         return outputs

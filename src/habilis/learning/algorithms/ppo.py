@@ -127,7 +127,7 @@ class PPO:
 
 
 def clipped_loss(
-    outputs: Float[Array, "n A+1"],
+    outputs: Float[Array, "n outputs"],
     action: Int[Array, "n"],
     old: Float[Array, "n"],
     advantage: Float[Array, "n"],
