@@ -18,11 +18,15 @@ from typing import Any
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
 
+from habilis.learning.algorithms import ALGORITHMS
+from habilis.learning.algorithms.protocol import Algorithm
+
 PACKAGES = (
     "habilis",
     "habilis.analysis",
     "habilis.channels",
     "habilis.envs",
+    "habilis.learning",
     "habilis.sweeps",
     "habilis.worlds",
     "habilis.worlds.pictures",
@@ -63,7 +67,7 @@ def _listed(package: ModuleType) -> list[str]:
     return [
         name
         for name in sorted({*package.__all__, *lazy})
-        if not name.startswith("_") and not isinstance(getattr(package, name), ModuleType)
+        if not name.startswith("_") and not isinstance(getattr(package, name), ModuleType | Mapping)
     ]
 
 
@@ -117,6 +121,8 @@ def _faults_of_class(kind: type) -> Iterator[str]:
             continue
         if not function.__doc__ and any(hasattr(base, name) for base in kind.__mro__[1:]):
             continue  # what it overrides is described where it comes from
+        if kind in ALGORITHMS.values() and hasattr(Algorithm, name):
+            continue  # as is what it implements
         known = _SHARED.findall(inspect.cleandoc(text))
         yield from (f".{name}{fault}" for fault in _faults_of_function(function, known))
 

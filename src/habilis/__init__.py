@@ -20,13 +20,7 @@ __version__ = "0.1.0"
 
 _EXTRAS = {
     "habilis.envs": "gymnasium",
-    "habilis.learning.algorithms.a2c": "learn",
-    "habilis.learning.algorithms.ppo": "learn",
-    "habilis.learning.algorithms.q_learning": "learn",
-    "habilis.learning.algorithms.soft_value_iteration": "learn",
-    "habilis.learning.config": "learn",
-    "habilis.learning.presets": "learn",
-    "habilis.learning.train": "learn",
+    "habilis.learning": "learn",
     "habilis.studies.reproduction.reproduce": "learn",
 }
 __getattr__, _names, __all__ = public(__name__, _EXTRAS)

@@ -15,15 +15,13 @@ from habilis.empowerment import Sampled as Sampled
 from habilis.empowerment import empowerment as empowerment
 from habilis.empowerment import persistence as persistence
 from habilis.envs import EmpowermentReward as EmpowermentReward
-from habilis.learning.algorithms.a2c import A2C as A2C
-from habilis.learning.algorithms.ppo import PPO as PPO
-from habilis.learning.algorithms.q_learning import QLearning as QLearning
-from habilis.learning.algorithms.soft_value_iteration import (
-    SoftValueIteration as SoftValueIteration,
-)
-from habilis.learning.config import Config as Config
-from habilis.learning.presets import preset as preset
-from habilis.learning.train import train as train
+from habilis.learning import A2C as A2C
+from habilis.learning import PPO as PPO
+from habilis.learning import Config as Config
+from habilis.learning import QLearning as QLearning
+from habilis.learning import SoftValueIteration as SoftValueIteration
+from habilis.learning import preset as preset
+from habilis.learning import train as train
 from habilis.mdp import TabularMDP as TabularMDP
 from habilis.studies.reproduction.reproduce import reproduce as reproduce
 from habilis.worlds import Plan as Plan

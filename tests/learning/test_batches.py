@@ -16,9 +16,9 @@ from habilis.learning.batches import LANES, MOST_LANES, train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import advance
+from habilis.learning.runner import train
 from habilis.learning.runs import Progress
 from habilis.learning.stacks import Seat
-from habilis.learning.train import train
 
 CPU, GPU = SimpleNamespace(platform="cpu"), SimpleNamespace(platform="gpu")
 

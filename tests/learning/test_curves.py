@@ -14,8 +14,8 @@ from habilis.learning.config import Config
 from habilis.learning.curves import learning_curve, smoothed
 from habilis.learning.curves_picture import curves_figure, labels
 from habilis.learning.folder import save_run
+from habilis.learning.runner import train
 from habilis.learning.runs import Run
-from habilis.learning.train import train
 from habilis.worlds.world import World
 
 ROOM = "A.\nC.\n..\nG.\n"

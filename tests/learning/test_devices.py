@@ -10,7 +10,7 @@ import hashlib, json, sys, threading
 import jax
 from habilis.learning import batches
 from habilis.learning.config import Config
-from habilis.learning.train import train
+from habilis.learning.runner import train
 
 used, advance = set(), batches.advance
 

@@ -9,8 +9,8 @@ from events import read_events, scalars
 from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 from habilis.learning.jobs import STRETCH
+from habilis.learning.runner import train
 from habilis.learning.tensorboard import TAGS
-from habilis.learning.train import train
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from habilis.files import check_unused
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import greedy_actions, play
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.worlds.table import placement, tabulate
 
 

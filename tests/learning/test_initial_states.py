@@ -17,8 +17,8 @@ from habilis.learning.folder import load_run
 from habilis.learning.initial_states import random_placements
 from habilis.learning.jobs import Job
 from habilis.learning.replay import greedy_actions, play, success, table_of
+from habilis.learning.runner import train
 from habilis.learning.runs import Run
-from habilis.learning.train import train
 from habilis.learning.training_problem import Conditions, success_rate, training_problem
 from habilis.sweeps.training import plain
 from habilis.worlds.plans import distances, solve
@@ -107,7 +107,7 @@ def test_later_episodes_begin_in_all_of_them_too():
 
 
 def test_without_starts_nothing_is_other_than_it_was():
-    """The default draws no random number more: see `test_train` for the curves themselves."""
+    """The default draws no random number more: see `test_runner` for the curves themselves."""
     job = Job.of(0, Config(world="open.txt"))
     assert job.task[0].start.shape == ()
     assert not {"starts", "unseen", "starts_seed"} & plain(job.config).keys()

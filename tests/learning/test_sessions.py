@@ -22,7 +22,7 @@ from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run, read_config
 from habilis.learning.jobs import Job
-from habilis.learning.train import train
+from habilis.learning.runner import train
 
 # Too much entropy to converge: the budget of steps is used up.
 OPTIONS = (

@@ -16,8 +16,8 @@ from habilis.learning.config import Config
 from habilis.learning.folder import load_run
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.replay import best_return_from, greedy_actions, play, success, table_of
+from habilis.learning.runner import train
 from habilis.learning.task import make_task
-from habilis.learning.train import train
 from habilis.learning.training_problem import (
     DEFAULT_CONDITIONS,
     Conditions,

@@ -820,7 +820,7 @@ def test_what_a_folder_has_is_listed_by_the_next_studio_and_what_is_damaged_says
     pytest.importorskip("jax")
     from habilis.learning.config import Config
     from habilis.learning.replay import play
-    from habilis.learning.train import train
+    from habilis.learning.runner import train
 
     run = train(Config(world="yard", runs=2, episodes=150, seed=5), out=tmp_path / "my run")
     shutil.copytree(tmp_path / "my run", tmp_path / "torn")
@@ -878,7 +878,7 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
     pytest.importorskip("jax")
     from habilis.learning.config import Config
     from habilis.learning.replay import play
-    from habilis.learning.train import train
+    from habilis.learning.runner import train
 
     run = train(Config(world="yard", runs=2, episodes=150), out=tmp_path / "trained")
     with served(str(tmp_path / "trained")) as address:

@@ -13,7 +13,7 @@ import habilis as hb
 from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.studio import run_steps
 from habilis.studio.drawn_worlds import world_of
 from habilis.studio.limits import TRAINING

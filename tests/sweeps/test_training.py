@@ -3,7 +3,7 @@ import pytest
 
 from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.config import Config
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.sweeps.training import BLOCK, outcomes, tasks_of, train_tasks
 
 

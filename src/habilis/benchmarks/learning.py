@@ -17,7 +17,7 @@ from habilis.learning.config import Config
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Lane, Settings, advance
 from habilis.learning.rollout import Context, EnvState, rollout
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.worlds.world import load_world
 
 RUNS, UPDATES = 10, 250

@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Args) -> int:
     from habilis.learning.arguments import config_from_args
 
-    learning = import_from("habilis.learning.train", "learn")
+    learning = import_from("habilis.learning.runner", "learn")
     display = import_from("habilis.learning.display", "learn")
     config = config_from_args(args)
     try:

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from habilis.learning.config import Config
+from habilis.learning.runner import train
 from habilis.learning.runs import Progress
-from habilis.learning.train import train
 from habilis.studio.limits import TRAINING
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import TooManyPlacementsError, reachable

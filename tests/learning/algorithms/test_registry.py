@@ -23,7 +23,7 @@ from habilis.learning.config import Config
 from habilis.learning.folder import load_latest, load_run
 from habilis.learning.lanes import advance
 from habilis.learning.replay import learned, play, table_of
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.studio.training_settings import offered
 from habilis.sweeps.spec import read_spec
 

@@ -10,7 +10,7 @@ from habilis.learning.algorithms.soft_value_iteration import SoftValueIteration
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
 from habilis.learning.replay import play
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.mdp import TabularMDP
 
 # Three states, the third terminal; action 0 waits, action 1 goes on.

@@ -37,23 +37,40 @@ class Algorithm(Protocol):
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
     @property
-    def counts_episodes(self) -> bool: ...
+    def counts_episodes(self) -> bool:
+        """Whether `Context.episodes` is needed."""
+        ...
+
     @property
-    def envs(self) -> int: ...
+    def envs(self) -> int:
+        """Environments of a run."""
+        ...
+
     @property
-    def rollout(self) -> int: ...
+    def rollout(self) -> int:
+        """Steps of each environment between two updates; 0: a whole episode."""
+        ...
+
     @property
-    def discount(self) -> float: ...
+    def discount(self) -> float:
+        """Gamma, the discount factor."""
+        ...
+
     @property
-    def reward_scale(self) -> float: ...
+    def reward_scale(self) -> float:
+        """The factor on the reward that it learns from."""
+        ...
 
     def init(self, task: "Task", rows: int, key: "PRNGKeyArray") -> Any:
-        """The train state before the first update: a named tuple with `parameters`.
+        """The train state before the first update.
 
         Args:
             task: the table.
             rows: how many rows the first weights of a network have.
             key: for the initial weights.
+
+        Returns:
+            A named tuple with `parameters`.
         """
         ...
 
@@ -64,28 +81,56 @@ class Algorithm(Protocol):
         state: "Int[Array, 'E']",
         draw: "Float[Array, 'E']",
     ) -> tuple["Int[Array, 'E']", Any]:
-        """An action for each of E environments, and what `update` wants to know of the decision.
+        """Chooses an action for each of E environments.
 
         Args:
             context: of this update.
             train_state: as `init` or the last `update` left it.
             state: of the environments.
             draw: a number from [0, 1) for each, the only randomness there is.
+
+        Returns:
+            The actions, and what `update` has to know of the decision.
         """
         ...
 
     def update(
         self, context: "Context", train_state: Any, experience: "Experience"
     ) -> tuple[Any, "Float[Array, '']"]:
-        """The train state after it has learned from a rollout, and the loss."""
+        """Learns from a rollout.
+
+        Args:
+            context: of this update.
+            train_state: as `init` or the last `update` left it.
+            experience: the rollout of all environments.
+
+        Returns:
+            The train state after the update, and the loss.
+        """
         ...
 
     def policy(self, task: "Task", parameters: Any) -> "Float[Array, 'S A']":
-        """The probability of each action in every state, without what is only explored."""
+        """The policy that was learned, without exploration.
+
+        Args:
+            task: the table.
+            parameters: of the train state.
+
+        Returns:
+            float[S, A], the probability of each action in every state.
+        """
         ...
 
     def values(self, task: "Task", parameters: Any) -> "Float[Array, 'S']":
-        """The discounted sum of scaled rewards that is expected from every state."""
+        """The values that were learned.
+
+        Args:
+            task: the table.
+            parameters: of the train state.
+
+        Returns:
+            float[S], the expected discounted sum of scaled rewards from every state.
+        """
         ...
 
 

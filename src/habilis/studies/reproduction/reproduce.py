@@ -14,7 +14,7 @@ import polars as pl
 
 from habilis.files import check_folder
 from habilis.learning.display import progress_bars
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.studies.pace.data import load_pace
 from habilis.studies.pace.slowness import marks
 from habilis.studies.paper.agent_statements import agent_statements

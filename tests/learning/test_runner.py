@@ -7,8 +7,8 @@ from habilis.empowerment import empowerment
 from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
 from habilis.learning.intrinsic import value_table
+from habilis.learning.runner import train
 from habilis.learning.runs import Progress
-from habilis.learning.train import train
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import load_world
 
