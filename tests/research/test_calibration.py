@@ -3,7 +3,7 @@
 import polars as pl
 import pytest
 
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.studies.paper.settings import frozen_settings
 from research import calibration
 from research.calibration import frozen, scores, settings_grid, vanilla_configs

@@ -11,7 +11,7 @@ import polars as pl
 import pytest
 
 from habilis.cli import main
-from habilis.learning.train import train
+from habilis.learning.runner import train
 from habilis.sweeps import sweep
 from habilis.sweeps.store import LAYOUT, results
 from habilis.sweeps.training import tasks_of, train_tasks
