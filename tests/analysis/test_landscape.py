@@ -268,14 +268,15 @@ def test_what_can_be_reached_has_the_values_of_the_whole_table(
 def spied(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     """Whether the reachable part sufficed, each time that it was tried."""
     used: list[bool] = []
-    reached = landscape_states._reached
+    reached = landscape_states.reachable
 
     def spy(*asked):
+        used.append(False)
         found = reached(*asked)
-        used.append(found is not None)
+        used[-1] = True
         return found
 
-    monkeypatch.setattr(landscape_states, "_reached", spy)
+    monkeypatch.setattr(landscape_states, "reachable", spy)
     return used
 
 

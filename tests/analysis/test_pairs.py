@@ -76,7 +76,7 @@ def test_a_tool_that_may_fail_is_measured_so_and_beside_one_that_does_not():
     assert found.tools == ("picker", "picker2", "none")
     for row, tool in enumerate(SLIPS.tools):
         pair = SLIPS.with_tool(tool)
-        assert (pair.tool_slip, pair.tool_cell) == (tool.slip, tool.cell)
+        assert [(one.slip, one.cell) for one in pair.tools] == [(tool.slip, tool.cell)]
         assert found.averages[-1, row, 0] == average_empowerment(hb.tabulate(pair), 2)
         assert found.reliability[row, 0] == reliability(pair, 2)
     assert found.reliability[0, 0] < found.reliability[1, 0] == found.reliability[2, 0] == 1
@@ -133,7 +133,7 @@ def test_tools_of_ones_own_take_part():
     assert (found.averages[:, 0] == found.averages[:, 1]).all()
     idle = pairs(ROOM, 2, [Rod(works=False)], ["can"])
     assert (idle.averages[:, 0] < found.averages[:, 0]).all()
-    own = replace(ROOM.with_tool(Rod()), more_tools=(ROOM.tools[1],))
+    own = replace(ROOM, tools=(*ROOM.with_tool(Rod()).tools, ROOM.tools[1]))
     assert pairs(own, 2, objects=["can"]).tools == ("Rod", "rake", "none")
 
 

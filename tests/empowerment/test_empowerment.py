@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rooms import rooms
 
 from habilis.empowerment import empowerment
 from habilis.empowerment.tabular.counting import count_backward, count_forward
@@ -44,22 +45,7 @@ def tables(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
     return table, rng.integers(-2, draw(st.integers(-1, 6)), size=states)
 
 
-@st.composite
-def worlds(draw: st.DrawFn) -> World:
-    height, width = draw(st.sampled_from([(1, 5), (2, 2), (2, 3), (3, 2), (3, 3)]))
-    cells = draw(st.permutations(list(product(range(height), range(width)))))
-    agent, can, goal, tool_cell, *others = cells
-    return World(
-        name="random",
-        height=height,
-        width=width,
-        walls=frozenset(others[: draw(st.integers(0, 2))]),
-        agent=agent,
-        object=can,
-        goal=goal,
-        tool=draw(st.sampled_from(["picker", "broom", "none"])),
-        tool_cell=tool_cell,
-    )
+WORLDS = rooms([(1, 5), (2, 2), (2, 3), (3, 2), (3, 3)], lambda cells: min(2, cells))
 
 
 def brute_force(table: np.ndarray, labels: np.ndarray, horizon: int, actions: Any = None) -> Bits:
@@ -131,7 +117,7 @@ def test_states_are_answered_in_the_order_and_as_often_as_asked(
 
 
 @settings(max_examples=25, deadline=None)
-@given(worlds(), st.integers(0, 3), st.data())
+@given(WORLDS, st.integers(0, 3), st.data())
 def test_bits_of_a_world_are_those_of_all_action_sequences(
     world: World, horizon: int, data: st.DataObject
 ):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rooms import rooms
 
 import habilis as hb
 from habilis.empowerment.tabular import blocks, deterministic, windows
@@ -151,22 +152,7 @@ def test_little_work_is_not_shared_out():
 # Worlds without a table
 
 
-@st.composite
-def worlds(draw: st.DrawFn) -> World:
-    height, width = draw(st.sampled_from([(1, 5), (2, 3), (3, 3), (3, 4)]))
-    cells = [(row, column) for row in range(height) for column in range(width)]
-    agent, can, goal, tool_cell, *others = draw(st.permutations(cells))
-    return World(
-        name="random",
-        height=height,
-        width=width,
-        walls=frozenset(others[: draw(st.integers(0, 2))]),
-        agent=agent,
-        object=can,
-        goal=goal,
-        tool=draw(st.sampled_from(["picker", "broom", "none"])),
-        tool_cell=tool_cell,
-    )
+WORLDS = rooms([(1, 5), (2, 3), (3, 3), (3, 4)], lambda cells: min(2, cells))
 
 
 def placements_of(world: World, mdp: TabularMDP) -> list[dict[str, tuple[int, int]]]:
@@ -177,7 +163,7 @@ def placements_of(world: World, mdp: TabularMDP) -> list[dict[str, tuple[int, in
 
 
 @settings(max_examples=60, deadline=None)
-@given(worlds(), st.integers(0, 3), st.data())
+@given(WORLDS, st.integers(0, 3), st.data())
 def test_a_world_answers_as_its_table_does(world: World, horizon: int, data: st.DataObject):
     mdp = hb.tabulate(world)
     places = placements_of(world, mdp)

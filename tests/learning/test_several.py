@@ -114,7 +114,7 @@ def test_an_unknown_part_of_a_sum_is_named(intrinsic):
 def test_of_several_tools_all_of_ones_own_are_noted():
     world = hb.load_world("own.txt")
     assert world.own_tools == ("rake.py:Rake",)
-    assert world.own is None  # it is the second tool
+    assert [tool.own is None for tool in world.tools] == [True, False]
     assert digest_of_own_tool(world) is not None
     assert digest_of_own_tool(hb.load_world("room.txt")) is None
 
@@ -141,13 +141,13 @@ def test_a_world_with_ones_own_tool_can_be_pickled_and_read_elsewhere(
     folder, tmp_path_factory, monkeypatch
 ):
     world = hb.load_world("own.txt")
-    assert pickle.loads(pickle.dumps(world)).more_tools[0].kind == "rake.py:Rake"
+    assert pickle.loads(pickle.dumps(world)).tools[1].kind == "rake.py:Rake"
     kept = pickle.dumps(world)
     monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
     other = pickle.loads(kept)
     mdp, again = hb.tabulate(world), hb.tabulate(other)
     np.testing.assert_array_equal(mdp.next_state, again.next_state)
-    assert (other.name, other.more_objects) == (world.name, world.more_objects)
+    assert (other.name, other.objects) == (world.name, world.objects)
 
 
 def test_what_a_tool_does_stays_the_same_while_it_is_used(folder):

@@ -181,7 +181,7 @@ def test_a_goal_out_of_reach_is_refused_in_a_stochastic_world_too(tmp_path):
 
 def test_the_digest_of_a_custom_tool_depends_on_its_failure_probability():
     sure = hb.World.parse(SURE).with_tool(f"{EXAMPLES / 'rake.py'}:Rake")
-    worlds = [replace(sure, tool_slip=slip) for slip in (0.0, 0.2, 0.3)]
+    worlds = [sure.with_tool(replace(sure.tools[0], slip=slip)) for slip in (0.0, 0.2, 0.3)]
     digests = [digest_of_own_tool(world) for world in (sure, *worlds)]
     assert digests[0] == digests[1]
     assert len(set(digests)) == 3

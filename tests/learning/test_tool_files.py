@@ -141,7 +141,7 @@ def test_a_copy_of_the_picker_is_learned_with_as_the_picker_is(folder):
     )
     config = Config(world="room.txt", runs=1, intrinsic="object", horizon=2, beta=0.1)
     own, ours = (Job.of(0, config.changed(tool=tool)) for tool in ("copied.py:Copy", "picker"))
-    assert isinstance(own.world.tool_rule, Picker)
+    assert isinstance(own.world.tools[0].rule, Picker)
     assert own.world.tool == "copied.py:Copy"
     assert own.table.tobytes() == ours.table.tobytes()
     assert own.best_return == ours.best_return

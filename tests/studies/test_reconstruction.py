@@ -202,7 +202,7 @@ def test_the_command_searches_under_another_reading(tmp_path, capsys):
     found = json.loads(capsys.readouterr().out)["maps"][0]
     path = tmp_path / "maps" / "easy-01.txt"
     world = load_world(path)
-    assert world.reading == Reading(pushes=True, sweeps=True)
+    assert world.tools[0].reading == Reading(pushes=True, sweeps=True)
     assert found["numbers"]["average"] == CachedWorld(world, "reachable").average(2)
     assert '--reading "pushes sweeps" --over reachable' in path.read_text()
 

@@ -1,7 +1,6 @@
 """What the studio answers is what the library says."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -55,7 +54,7 @@ def test_a_landscape_may_be_asked_for_alone_and_with_things_elsewhere(there, too
     elsewhere = there.send("landscape", scene=asked, placement=at)
     answer = there.receive()  # the first of them has said all there was to say
     assert answer["id"] == elsewhere
-    moved = replace(world, agent=(3, 4), object=(0, 2), tool_cell=(3, 3))
+    moved = world.with_cells(agent=(3, 4), object=(0, 2), tool=(3, 3))
     wanted = hb.landscape(moved, 3, "object").values
     assert np.array_equal(values(answer), wanted, equal_nan=True)
     at["object"] = [1, 1]
@@ -277,5 +276,5 @@ def test_a_tool_of_ones_own_is_as_good_as_any(tmp_path):
         picker = there.ask(
             "measure", scene=scene(world, sensor="object", horizon=3) | {"tool": "picker"}
         )
-        wanted = hb.landscape(replace(WALLED, tool="picker"), 3, "object").values
+        wanted = hb.landscape(WALLED.with_tool("picker"), 3, "object").values
         assert np.array_equal(values(picker), wanted, equal_nan=True)

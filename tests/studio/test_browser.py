@@ -120,7 +120,7 @@ def test_agent_tool_can_and_bin_are_dragged(page: Page):
     assert YARD.tool_cell is not None
     drag(page, WORLD, YARD.tool_cell, (6, 4))
     drag(page, WORLD, YARD.agent, (0, 0))
-    moved = replace(YARD, object=(5, 4), goal=(0, 9), tool_cell=(6, 4), agent=(0, 0))
+    moved = YARD.with_cells(object=(5, 4), goal=(0, 9), tool=(6, 4), agent=(0, 0))
     assert shown_bits(page) == true_bits(moved, 3)
     assert map_text(page) == "\n".join(moved.rows)
 
@@ -129,7 +129,7 @@ def test_a_thing_is_not_dragged_onto_another_or_into_a_wall(page: Page):
     drag(page, WORLD, YARD.agent, (1, 0))
     expect(page.locator("#undo")).to_be_disabled()
     drag(page, WORLD, YARD.object, (9, 3), (9, 4), YARD.goal)
-    assert shown_bits(page) == true_bits(replace(YARD, object=(9, 4)), 3)
+    assert shown_bits(page) == true_bits(YARD.with_cells(object=(9, 4)), 3)
 
 
 def test_tool_horizon_sensor_actions_and_slip_are_those_that_are_measured(page: Page):
@@ -166,7 +166,7 @@ def test_without_a_tool_there_are_only_moves(page: Page):
     assert YARD.tool_cell is not None
     drag(page, WORLD, YARD.tool_cell, YARD.tool_cell)
     bare = load_world("yard", tool="none")
-    walled = replace(bare, walls=bare.walls | {YARD.tool_cell}, tool_cell=None)
+    walled = replace(bare, walls=bare.walls | {YARD.tool_cell}, vacancy=None)
     assert shown_bits(page) == true_bits(walled, 3)
     page.get_by_role("radio", name="Picker").check(force=True)
     assert len(shown_bits(page)) == len(true_bits(walled, 3)) - 1
@@ -538,7 +538,7 @@ def test_the_keyboard_alone_draws_moves_and_asks(page: Page):
     assert shown_bits(page) == true_bits(walled, 3)
     page.keyboard.press("ArrowUp")
     page.keyboard.press("c")
-    assert shown_bits(page) == true_bits(replace(walled, object=(6, 4)), 3)
+    assert shown_bits(page) == true_bits(walled.with_cells(object=(6, 4)), 3)
     page.locator(LANDSCAPE).focus()
     page.keyboard.press("ArrowRight")
     expect(page.locator("#caption")).to_contain_text("From row 0, column 1")

@@ -33,7 +33,7 @@ def test_what_is_drawn_is_the_world():
     assert world_of(drawn_of(WORLD), TOOLS, "map") == WORLD
     bare = WORLD.with_tool("none").with_object("ball")
     again = world_of(drawn_of(bare), TOOLS, "map")
-    assert (again.object_kind, again.goal, again.tools) == ("ball", bare.goal, ())
+    assert (again.objects[0].kind, again.goal, again.tools) == ("ball", bare.goal, ())
 
 
 def test_things_in_whatever_order_are_the_same_world():

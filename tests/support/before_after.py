@@ -68,8 +68,8 @@ def drawn(world: World, cells: dict[str, Cell]) -> Rows:
     for row, column in world.walls:
         grid[row][column] = "#"
     characters = {"agent": "A", "object": "C"}
-    if world.tool_rule is not None:
-        characters["tool"] = world.tool_rule.character
+    if world.tools:
+        characters["tool"] = world.tools[0].rule.character
     marks = [(world.goal, "G"), *((cells[name], mark) for name, mark in characters.items())]
     for (row, column), mark in marks:
         grid[row][column] = mark

@@ -20,7 +20,7 @@ from habilis.analysis.futures import futures
 from habilis.analysis.usefulness import usefulness
 from habilis.cli import main
 from habilis.worlds import tools
-from habilis.worlds.characters import BINDS
+from habilis.worlds.map_text import BINDS
 from habilis.worlds.own_tools import tool_named
 from habilis.worlds.pictures.figures import colored_text, frame
 from habilis.worlds.pictures.shapes import SHAPES, Shape
@@ -145,7 +145,7 @@ def test_a_tool_is_found_in_a_file_and_in_a_module(tool, monkeypatch):
     monkeypatch.delitem(sys.modules, "rake", raising=False)
     world = load_world("yard", tool=tool)
     assert world.tool == tool
-    assert type(world.tool_rule).__name__ == "Rake"
+    assert type(world.tools[0].rule).__name__ == "Rake"
     monkeypatch.delitem(sys.modules, "rake", raising=False)
 
 
@@ -159,7 +159,7 @@ def test_a_file_is_run_once_and_again_when_it_has_changed(folder):
     world = load_world("yard", tool=name)
     written(folder, f"{counting}Rake.character = 'H'\n")
     assert tool_named(name).character == "H"
-    assert replace(world, agent=(0, 0)).tool_rule is first
+    assert replace(world, agent=(0, 0)).tools[0].rule is first
     assert world.with_tool(name) != world
     assert (folder / "count").read_text() == ".."
 
@@ -177,7 +177,7 @@ def test_a_file_may_import_one_beside_it_wherever_it_is_named_from(folder, monke
 def test_an_instance_with_arguments_can_be_named(folder):
     text = "\nclass Long(Rake):\n    def __init__(self, length):\n        self.length = length\n"
     name = written(folder, f"{text}\nlong = Long(3)\n")
-    tool = load_world("yard", tool=f"{name}:long").tool_rule
+    tool = load_world("yard", tool=f"{name}:long").tools[0].rule
     assert vars(tool) == {"length": 3}
 
 
@@ -222,7 +222,7 @@ def test_the_line_that_fails_is_named_and_a_mended_file_is_read(folder):
     written(folder, "1 / 0\n")
     assert f"(mytools.py, line {len(lines) + 1}); mend the file" in refusal("mytools.py:Rake")
     written(folder, "")
-    assert load_world("yard", tool="mytools.py:Rake").tool_rule
+    assert load_world("yard", tool="mytools.py:Rake").tools
 
 
 @pytest.mark.ill_typed
@@ -234,7 +234,7 @@ def test_a_tool_is_given_as_itself_or_as_its_class():
         world = yard.with_tool(given)
         assert world.tool == RAKE
         assert (tabulate(world).next_state == by_name.next_state).all()
-    assert load_world("yard", tool=rake).tool_rule is rake
+    assert load_world("yard", tool=rake).tools[0].rule is rake
     assert yard.with_tool(Picker()) == yard.with_tool("picker")
     with pytest.raises(ValueError, match="'int': int has no method 'attached'"):
         yard.with_tool(3)  # pyright: ignore[reportArgumentType]
@@ -251,9 +251,8 @@ def test_worlds_with_tools_of_one_class_are_told_apart():
 
 def test_another_tool_takes_the_place_of_ones_own():
     raking = load_world("yard", tool=tool_named(RAKE))
-    assert replace(raking, agent=(0, 0)).tool_rule is raking.tool_rule
-    for world in (replace(raking, tool="broom"), raking.with_tool("broom")):
-        assert world == load_world("yard", tool="broom")
+    assert replace(raking, agent=(0, 0)).tools[0].rule is raking.tools[0].rule
+    assert raking.with_tool("broom") == load_world("yard", tool="broom")
     assert raking.with_tool("none") == load_world("yard", tool="none")
 
 

@@ -13,6 +13,7 @@ import pytest
 from before_after import STEPS, becomes, cell_of, stays
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rooms import rooms, sizes
 
 from habilis.analysis.averages import average_empowerment
 from habilis.analysis.pairs import pairs
@@ -299,7 +300,7 @@ def crossed_by(off: Cell, turn: int) -> frozenset[Cell]:
 
 def by_the_rules(world: World, at: dict[str, Cell], action: int) -> dict[str, Cell]:
     """The placement after an action, word by word."""
-    reading, down, right = world.reading, *STEPS[action % 4]
+    reading, down, right = world.tools[0].reading, *STEPS[action % 4]
     agent, can, tool = at["agent"], at["object"], at["tool"]
 
     def plus(one: Cell, other: Cell, times: int = 1) -> Cell:
@@ -353,27 +354,16 @@ def turned(off: Cell, quarters: int) -> Cell:
     return off
 
 
-@st.composite
-def worlds(draw: st.DrawFn) -> World:
-    height, width = draw(st.integers(3, 5)), draw(st.integers(3, 5))
-    cells = draw(st.permutations([(r, c) for r in range(height) for c in range(width)]))
-    agent, can, goal, tool, *others = cells
-    return World(
-        name="random",
-        height=height,
-        width=width,
-        walls=frozenset(others[: draw(st.integers(0, len(others) // 3))]),
-        agent=agent,
-        object=can,
-        goal=goal,
-        tool=draw(st.sampled_from(["picker", "broom"])),
-        tool_cell=tool,
-        reading=Reading(*(draw(st.booleans()) for _ in fields(Reading))),
-    )
+WORLDS = rooms(
+    sizes(range(3, 6), range(3, 6)),
+    lambda cells: cells // 3,
+    ("picker", "broom"),
+    st.builds(Reading, **{one.name: st.booleans() for one in fields(Reading)}),
+)
 
 
 @settings(max_examples=60, deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_every_action_is_as_read(world: World):
     mdp = tabulate(world)
     for state in range(0, mdp.states, 3):
@@ -385,7 +375,7 @@ def test_every_action_is_as_read(world: World):
 
 
 @settings(max_examples=30, deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_what_is_attached_stays_so_under_every_reading(world: World):
     mdp = tabulate(world)
     attached = mdp.flags["attached"]
@@ -396,15 +386,15 @@ def test_what_is_attached_stays_so_under_every_reading(world: World):
 
 
 @settings(max_examples=30, deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_a_reading_is_written_above_the_map_and_read_back(world: World):
     assert World.parse(world.text(), "random") == world
 
 
 def test_words_come_in_any_order_and_with_a_slip():
     world = World.parse("X = picker sweeps pushes slip 0.5\nAX.CG")
-    assert (world.tool, world.tool_slip) == ("picker", 0.5)
-    assert world.reading == Reading(pushes=True, sweeps=True)
+    assert (world.tools[0].kind, world.tools[0].slip) == ("picker", 0.5)
+    assert world.tools[0].reading == Reading(pushes=True, sweeps=True)
     assert world.text().startswith("P = picker pushes sweeps slip 0.5\n")
     with pytest.raises(
         ValueError, match="line 1: 'P' is bound to 'picker pulls', which is unknown"
@@ -414,22 +404,27 @@ def test_words_come_in_any_order_and_with_a_slip():
 
 def test_another_tool_in_its_place_is_read_alike():
     world = World.parse("P = picker pushes shoves\nAP.CG")
-    assert world.with_tool("broom").reading == world.reading
+    assert world.with_tool("broom").tools[0].reading == world.tools[0].reading
     assert world.with_tool("none").with_tool("picker") == world
     several = World.parse("P = picker pushes\nAP.CG\n.B...")
     assert [tool.reading.words for tool in several.tools] == ["pushes", ""]
-    assert several.with_tool("broom").reading == Reading()
-    assert several.with_tool(several.tools[0]).reading == Reading(pushes=True)
+    assert several.with_tool("broom").tools[0].reading == Reading()
+    assert several.with_tool(several.tools[0]).tools[0].reading == Reading(pushes=True)
+
+
+def read(world: World, reading: Reading) -> World:
+    """A world with its tool's rules read in this way."""
+    return world.with_tool(replace(world.tools[0], reading=reading))
 
 
 def test_our_reading_changes_no_map_and_no_table():
     world = load_world("yard")
-    assert world.reading == Reading()
+    assert world.tools[0].reading == Reading()
     assert World.parse("P = picker\n" + world.text(), "yard") == world
-    pushing = replace(world, reading=Reading(pushes=True))
+    pushing = read(world, Reading(pushes=True))
     assert not np.array_equal(tabulate(pushing).next_state, tabulate(world).next_state)
     broom = world.with_tool("broom")
-    swept = replace(broom, reading=Reading(pushes=True, sticky=True))
+    swept = read(broom, Reading(pushes=True, sticky=True))
     assert np.array_equal(tabulate(swept).next_state, tabulate(broom).next_state)
 
 

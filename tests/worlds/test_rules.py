@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from before_after import SIDES, STEPS, becomes, cell_of, drawn, find, stays
 from hypothesis import given, settings
-from hypothesis import strategies as st
+from rooms import rooms, sizes
 
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import tabulate
@@ -901,23 +901,7 @@ def test_leaving_the_goal_again_costs_one():
 # All of it: against the rules written once more, slowly, one placement at a time
 
 
-@st.composite
-def worlds(draw: st.DrawFn) -> World:
-    height, width = draw(st.integers(2, 5)), draw(st.integers(2, 5))
-    cells = draw(st.permutations([(r, c) for r in range(height) for c in range(width)]))
-    agent, can, goal, tool_cell, *others = cells
-    walls = draw(st.integers(0, len(others) // 2))
-    return World(
-        name="random",
-        height=height,
-        width=width,
-        walls=frozenset(others[:walls]),
-        agent=agent,
-        object=can,
-        goal=goal,
-        tool=draw(st.sampled_from(["picker", "broom", "none"])),
-        tool_cell=tool_cell,
-    )
+WORLDS = rooms(sizes(range(2, 6), range(2, 6)), lambda cells: cells // 2)
 
 
 def is_as_ruled(world: World, mdp: TabularMDP, state: int) -> bool:
@@ -966,7 +950,7 @@ def by_the_rules(world: World, placement: dict[str, Cell], action: int) -> dict[
 
 
 @settings(max_examples=60, deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_every_action_in_every_state_of_any_world_is_as_ruled(world: World):
     mdp = tabulate(world)
     for state in range(mdp.states):

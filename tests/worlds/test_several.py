@@ -10,10 +10,9 @@ from several import becomes, led, stays
 from slow_rules import by_the_rules, read, worlds
 
 import habilis as hb
-from habilis.worlds.moving import agent_cells
-from habilis.worlds.placements import placed, places_of, start_of
+from habilis.worlds.placements import places_of, start_of, with_agents
 from habilis.worlds.reach import TooManyPlacementsError, reachable
-from habilis.worlds.rules import DROP_NAME, Grid
+from habilis.worlds.rules import DROP_NAME
 
 TWO_OBJECTS = "D = can\nG = goal of C"
 DROP = "drop: true"
@@ -319,8 +318,9 @@ def test_a_slip_is_written_as_it_was_read(slip):
 
 def test_a_map_that_would_hide_a_goal_is_not_written():
     world = hb.World.parse("D = ball\nH = goal of D\nG = goal of C\nA.CG\n..DH")
-    ball = replace(world.more_objects[0], goal=world.goal)
-    for hiding in (replace(world, agent=world.goal), replace(world, more_objects=(ball,))):
+    ball = replace(world.objects[1], goal=world.goal)
+    both = replace(world, objects=(world.objects[0], ball))
+    for hiding in (replace(world, agent=world.goal), both):
         with pytest.raises(ValueError, match=r"something else is on the goal at \(0, 3\)"):
             hiding.text()
         assert len(hiding.rows) == 2
@@ -341,10 +341,9 @@ def test_placements_as_arrays_are_the_same_placements(drop: str):
     world = hb.World.parse(
         f"{drop}R = rake\nD = ball\nG = goal of C\nA....\n.PCR.\n.D#.G", name="room"
     )
-    grid, things = Grid.of(world), {k: v for k, v in start_of(world).items() if k != "agent"}
-    cells = agent_cells(world)
-    one_by_one = places_of(world, grid, [{**things, "agent": cell} for cell in cells])
-    at_once = placed(world, grid, things, cells)
+    things, cells = {k: v for k, v in start_of(world).items() if k != "agent"}, world.agent_cells
+    one_by_one = places_of(world, [{**things, "agent": cell} for cell in cells])
+    at_once = with_agents(world, things, cells)
     for one, other in zip(one_by_one.cells, at_once.cells, strict=True):
         np.testing.assert_array_equal(one, other)
     np.testing.assert_array_equal(one_by_one.held, at_once.held)
@@ -354,4 +353,4 @@ def test_placements_as_arrays_are_the_same_placements(drop: str):
         assert table.states == same.states
         np.testing.assert_array_equal(states, found)
     with pytest.raises(ValueError, match=r"the object:ball's cell .* is a wall"):
-        placed(world, grid, {**things, "object:ball": (2, 2)}, cells)
+        with_agents(world, {**things, "object:ball": (2, 2)}, cells)

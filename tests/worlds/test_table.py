@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
+from rooms import rooms, sizes
 
 from habilis.mdp import TabularMDP
 from habilis.worlds.rules import ACTIONS
@@ -26,22 +26,7 @@ CELLAR = World.parse("A#C\n#P#\nG#.", name="cellar")
 """No two free cells are side by side."""
 
 
-@st.composite
-def worlds(draw: st.DrawFn) -> World:
-    height, width = draw(st.integers(2, 4)), draw(st.integers(2, 5))
-    cells = draw(st.permutations(list(product(range(height), range(width)))))
-    agent, can, goal, tool_cell, *others = cells
-    return World(
-        name="random",
-        height=height,
-        width=width,
-        walls=frozenset(others[: draw(st.integers(0, len(others)))]),
-        agent=agent,
-        object=can,
-        goal=goal,
-        tool=draw(st.sampled_from(["picker", "broom", "none"])),
-        tool_cell=tool_cell,
-    )
+WORLDS = rooms(sizes(range(2, 5), range(2, 6)), lambda cells: cells)
 
 
 def next_to_each_other(one: Cell, other: Cell) -> bool:
@@ -76,7 +61,7 @@ def states(mdp: TabularMDP) -> list[Placement]:
 
 
 @settings(deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_the_states_are_the_placements_with_the_tool_in_hand_or_lying_each_once(world: World):
     found = states(tabulate(world))
     assert len(found) == len(set(found))
@@ -127,7 +112,7 @@ def test_a_factor_is_the_row_times_the_width_plus_the_column():
 
 
 @settings(deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_equipped_is_to_have_the_tool_in_the_next_cell(world: World):
     mdp = tabulate(world)
     for state, (agent, _, *tool) in enumerate(states(mdp)):
@@ -135,7 +120,7 @@ def test_equipped_is_to_have_the_tool_in_the_next_cell(world: World):
 
 
 @settings(deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_attached_is_to_have_agent_picker_and_can_in_line(world: World):
     mdp = tabulate(world)
     for state, (agent, can, *tools) in enumerate(states(mdp)):
@@ -148,14 +133,14 @@ def test_attached_is_to_have_agent_picker_and_can_in_line(world: World):
 
 
 @settings(deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_the_terminal_states_are_those_with_the_can_in_the_goal(world: World):
     mdp = tabulate(world)
     assert [can == world.goal for _, can, *_ in states(mdp)] == mdp.terminal.tolist()
 
 
 @settings(deadline=None)
-@given(worlds())
+@given(WORLDS)
 def test_episodes_begin_as_the_map_is_drawn(world: World):
     mdp = tabulate(world)
     drawn = [world.agent, world.object, world.tool_cell]

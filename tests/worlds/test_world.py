@@ -4,11 +4,13 @@ import string
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from habilis.worlds.things import PlacedObject, PlacedTool
 from habilis.worlds.world import World, load_world, world_names
 
 ROOM = """\
@@ -49,10 +51,8 @@ def test_every_character_is_read_into_its_cell():
         width=4,
         walls=frozenset({(0, 0), (2, 2)}),
         agent=(1, 0),
-        object=(1, 2),
-        goal=(2, 3),
-        tool="broom",
-        tool_cell=(0, 3),
+        objects=(PlacedObject("can", (1, 2), goal=(2, 3)),),
+        tools=(PlacedTool("broom", (0, 3)),),
     )
 
 
@@ -168,7 +168,8 @@ def test_an_unknown_character_is_found_wherever_it_stands(rows: list[str], data:
 
 def test_another_tool_takes_the_place_of_the_map_s_own():
     room = World.parse(ROOM)
-    assert room.with_tool("picker") == replace(room, tool="picker")
+    assert room.with_tool("picker").tools == (PlacedTool("picker", (0, 3), name="picker"),)
+    assert replace(room.with_tool("picker"), tools=room.tools) == room
     assert room.with_tool("picker").text() == ROOM.replace("B", "P")
     assert room.with_tool("broom") == room
 
@@ -176,7 +177,7 @@ def test_another_tool_takes_the_place_of_the_map_s_own():
 def test_without_its_tool_a_map_has_plain_floor_there():
     room = World.parse(ROOM).with_tool("none")
     assert room.tool == "none"
-    assert room.tool_rule is None
+    assert room.tools == ()
     assert room.text() == ROOM.replace("B", ".")
 
 
@@ -289,7 +290,7 @@ def test_what_is_no_name_is_refused_in_one_line(name: str):
         ({"agent": (1, 0)}, "the agent is at \\(1, 0\\); put it on a free cell of the 2 x 4 map"),
         ({"goal": (5, 5)}, "the goal is at"),
         ({"object": (0, 1)}, "share a cell"),
-        ({"tool_cell": None}, "put 'P' on a floor cell"),
+        ({"tool": (1, 0)}, "the tool is at \\(1, 0\\); put it on a free cell of the 2 x 4 map"),
     ],
 )
 def test_a_world_whose_things_are_not_on_free_cells_of_their_own_is_refused(
@@ -297,9 +298,73 @@ def test_a_world_whose_things_are_not_on_free_cells_of_their_own_is_refused(
 ):
     world = World.parse("APC.\n#..G\n")
     with pytest.raises(ValueError, match=says):
-        replace(world, **change)  # pyright: ignore[reportArgumentType]
+        world.with_cells(**change)  # pyright: ignore[reportArgumentType]
 
 
 def test_only_files_are_read(tmp_path: Path):
     with pytest.raises(ValueError, match="is not a file"):
         load_world(tmp_path)
+
+
+# Several things
+
+
+SHOP = "R = rake\nD = can\nG = goal of C\n.PRA\nC.D.\n..G.\n"
+
+
+def test_things_are_named_by_their_kinds_and_numbered():
+    world = World.parse(SHOP)
+    assert [tool.name for tool in world.tools] == ["picker", "rake"]
+    assert [thing.name for thing in world.objects] == ["can", "can2"]
+    given = replace(world, objects=(replace(world.objects[0], name="tin"), world.objects[1]))
+    assert [thing.name for thing in given.objects] == ["tin", "can2"]
+    with pytest.raises(ValueError, match="two of can2, can2 have one name; give each its own"):
+        replace(world, objects=(replace(world.objects[0], name="can2"), world.objects[1]))
+
+
+def test_what_is_said_of_the_only_thing_is_said_of_the_first():
+    world = World.parse(SHOP)
+    assert (world.tool, world.tool_cell) == ("picker", (0, 1))
+    assert (world.object, world.goal) == ((1, 0), (2, 2))
+    assert not world.single
+    assert world.with_tool("rake").with_object("can2").single
+
+
+def test_a_tool_or_an_object_alone_loses_its_number():
+    world = World.parse(SHOP.replace("rake", "picker"))
+    assert world.with_tool(world.tools[1]).tools[0].name == "picker"
+    alone = world.with_object("can2").objects
+    assert [(thing.name, thing.cell, thing.goal) for thing in alone] == [("can", (1, 2), (2, 2))]
+
+
+def test_things_are_put_into_other_cells_by_their_names():
+    world = World.parse(SHOP)
+    moved = world.with_cells(tool={"rake": (2, 0)}, object={"can2": (0, 3), "can": (0, 2)})
+    assert [tool.cell for tool in moved.tools] == [(0, 1), (2, 0)]
+    assert [thing.cell for thing in moved.objects] == [(0, 2), (0, 3)]
+    assert moved.agent == (0, 0)  # the first free cell, as a can is where the agent was
+    assert world.with_cells() == world
+    assert world.with_cells(agent=(1, 1), held=1).in_hand == 1
+
+
+@pytest.mark.parametrize(
+    ("where", "says"),
+    [
+        ({"object": (0, 0)}, "several objects, can, can2; say which is at .* as can=0,0"),
+        ({"object": {"tin": (0, 0)}}, "map has no object 'tin'; name one of can, can2"),
+        ({"tool": {"rake": (1, 0)}}, "share a cell"),
+    ],
+)
+def test_cells_of_nothing_or_taken_are_refused(where: dict[str, Any], says: str):
+    with pytest.raises(ValueError, match=says):
+        World.parse(SHOP).with_cells(**where)
+    with pytest.raises(ValueError, match="map has no tool here; leave out its cell"):
+        World.parse("A.CG").with_cells(tool=(0, 1))
+
+
+def test_a_world_has_an_object_with_a_goal_first():
+    world = World.parse(SHOP)
+    with pytest.raises(ValueError, match="map: the first object, the can2, has no goal; give"):
+        replace(world, objects=world.objects[::-1])
+    with pytest.raises(ValueError, match="map: it has no object; give it one"):
+        replace(world, objects=())

@@ -12,7 +12,7 @@ from digests import digest, table_digest
 
 import habilis as hb
 from habilis.envs.observations import observation
-from habilis.worlds.pictures import colored_text, frame
+from habilis.worlds.pictures.figures import colored_text, frame
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import reachable
 

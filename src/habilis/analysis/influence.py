@@ -150,13 +150,13 @@ def reliability(world: World, horizon: int, slip: float = 0.0, **options: Unpack
 
 
 def certain(world: World) -> World:
-    """The same world with a tool that never fails."""
-    return replace(world, tool_slip=0.0)
+    """The same world with tools that never fail."""
+    return replace(world, tools=tuple(replace(tool, slip=0.0) for tool in world.tools))
 
 
 def fails(world: World, slip: float) -> bool:
     """Whether some outcomes are random."""
-    return bool(slip or world.tool_slip)
+    return bool(slip) or world.may_fail
 
 
 def share(part: float, whole: float) -> float:

@@ -16,8 +16,8 @@ from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor
 from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
-from habilis.worlds.moving import Where
-from habilis.worlds.placements import object_factors, tool_factors
+from habilis.worlds.placements import Factors
+from habilis.worlds.things import Where
 from habilis.worlds.world import World
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ def landscape(
         raise ValueError("slip is given beside a table; give it to `tabulate`")
     if mdp is not None and (
         mdp.shape != (world.height, world.width)
-        or (*tool_factors(world), *object_factors(world))
+        or Factors.of(world).things
         != tuple(name for name in mdp.factors if ":" in name or name in ("tool", "object"))
     ):
         raise ValueError(f"{world.name}: the table is of another map; give what `tabulate` made")

@@ -281,7 +281,8 @@ def _measured(pair: World, horizon: int, slip: float, options: Options) -> _Pair
 
 def _dynamics(pair: World) -> object:
     """What a pair's measures depend on: they go over all placements, wherever things start."""
-    return id(pair.tool_rule), pair.tool_slip, pair.reading, pair.object_kind
+    tools = tuple((id(tool.rule), tool.slip, tool.reading) for tool in pair.tools)
+    return tools, pair.objects[0].kind
 
 
 def _object_names(world: World) -> list[str]:

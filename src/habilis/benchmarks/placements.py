@@ -3,6 +3,7 @@
 import time
 
 from habilis.benchmarks import Result, best_seconds
+from habilis.worlds.grid import STEPS
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import Cell, World
 
@@ -20,8 +21,6 @@ HM..G
 """
 Placement = tuple[Cell, tuple[Cell, ...], tuple[Cell, ...], int]
 """The agent's cell, those of tools and of objects, and which tool is in hand, -1 for none."""
-
-_WAYS = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
 def results() -> list[Result]:
@@ -77,7 +76,7 @@ def _taken(at: Placement) -> Placement:
 
 def _moved(world: World, kinds: list[str], at: Placement, action: int) -> Placement:
     agent, tools, objects, held = at
-    way, carried = _WAYS[action % 4], action < 4
+    way, carried = STEPS[action % 4], action < 4
     step = _plus(agent, way)
     new_agent = step if carried else agent
     new_tools = list(tools)

@@ -18,11 +18,10 @@ import optax
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.learning.algorithms.a2c import A2C
+from habilis.worlds.grid import STEPS
 from habilis.worlds.world import World
 
 LIMIT = 500  # steps of an episode
-
-_NORTH_EAST_SOUTH_WEST = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
 class State(NamedTuple):
@@ -60,7 +59,7 @@ def room_of(world: World) -> Room:
 
 def moved(room: Room, state: State, action: Int[Array, ""]) -> State:
     """One action of a world with a picker (rules 1 to 5 of the worlds)."""
-    step = jnp.array(_NORTH_EAST_SOUTH_WEST)[action % 4]
+    step = jnp.array(STEPS)[action % 4]
     agent, tool, can, _ = state
     equipped = jnp.abs(agent - tool).sum() == 1
     attached = equipped & jnp.all(can - tool == tool - agent)

@@ -6,8 +6,8 @@ from typing import Any
 
 from habilis.cli.output import shows_progress
 from habilis.empowerment.methods import Exact, Sampled
-from habilis.worlds.moving import Where
 from habilis.worlds.reach import MAX_STATES
+from habilis.worlds.things import Where
 from habilis.worlds.world import ENVIRONMENT, Cell, World
 
 Args = argparse.Namespace

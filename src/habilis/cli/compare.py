@@ -210,6 +210,6 @@ def _compared(world: World) -> list[str]:
 
     On a map without a place for a tool only the bare agent can be compared.
     """
-    if world.tool_cell is None and not world.tools:
+    if world.tool_cell is None:
         return [NO_TOOL]
     return [*dict.fromkeys([*(tool.name for tool in world.tools), *_COMPARED])]

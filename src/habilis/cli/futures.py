@@ -22,7 +22,6 @@ from habilis.cli.arguments import (
 from habilis.cli.output import print_json, save, shows_progress
 from habilis.files import PICTURES
 from habilis.progress import progress_bar
-from habilis.worlds.moving import elsewhere
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import reachable
 from habilis.worlds.world import load_world
@@ -51,13 +50,12 @@ def run(args: Args) -> int:
     from habilis.analysis.futures import futures_figure, sequence_text
 
     world = load_world(args.world, args.tool)
-    world = elsewhere(
-        world,
+    world = world.with_cells(
         agent=args.agent_at,
         tool=cells_of(world, "tool", args.tool_at),
         object=cells_of(world, "object", args.object_at),
     )
-    if world.several:
+    if not world.single:
         steps = max(args.horizon, 0)
         most, show = max_states(args), shows_progress(args)
         mdp = reachable(world, start_of(world), steps, most, show)[0].slippery(args.slip)

@@ -7,7 +7,6 @@ from habilis.cli.arguments import Args, add_tool
 from habilis.cli.output import console, print_json, save, shows_progress
 from habilis.files import PICTURES
 from habilis.progress import progress_bar
-from habilis.worlds.map_writing import header_of
 from habilis.worlds.world import load_world, world_names
 
 HELP: str = "list the built-in worlds, or draw one"
@@ -37,19 +36,18 @@ def run(args: Args) -> int:
 
         with progress_bar("drawing", shows_progress(args)):
             save(args.out, lambda path: save_picture(world, path))
-    header = header_of(world)
     if args.json:
         told = {"name": world.name, "height": world.height, "width": world.width}
         told |= {"tool": world.tool, "map": list(world.rows)}
-        if header:
-            told |= {"header": header}
-        if world.several:
+        if world.header:
+            told |= {"header": world.header}
+        if not world.single:
             told |= {"tools": [tool.name for tool in world.tools]}
             told |= {"objects": [thing.name for thing in world.objects]}
         return print_json(told)
     from habilis.worlds.pictures.figures import colored_text
 
-    for line in header:
+    for line in world.header:
         print(line)
     console().print(colored_text(world))
     return 0

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Int64, UInt8
 
 from habilis.mdp import HELD, TabularMDP
-from habilis.worlds.placements import object_factors, tool_factors
+from habilis.worlds.placements import Factors
 from habilis.worlds.rules import NONE
 from habilis.worlds.world import World
 
@@ -167,7 +167,8 @@ def frames(mdp: TabularMDP, world: World, cell: int) -> Show:
     """Pictures of states, uint8 `[cell * rows, cell * columns, 3]`, of several with N in front."""
     from habilis.worlds.pictures.tiles import Tiles
 
-    names = ["agent"], tool_factors(world), object_factors(world), [HELD] * (HELD in mdp.factors)
+    of = Factors.of(world)
+    names = ["agent"], of.tools, of.objects, [HELD] * (HELD in mdp.factors)
     each = [tuple(mdp.factors[name] for name in group) for group in names]
     return partial(_pictured, Tiles.of(world, cell), each)
 

@@ -18,7 +18,7 @@ from habilis.envs.table import MAX_STEPS, TableEnv
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
-from habilis.worlds.characters import AGENT, GOAL, OBJECT
+from habilis.worlds.map_text import AGENT, GOAL, OBJECT
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import World, load_world

@@ -122,7 +122,7 @@ def read_world(folder: Path) -> World:
     named = _read(folder / "config.json", lambda path: _config(path)[1])
     world = _read(
         folder / "world.txt",
-        lambda path: World.read_back(path.read_text(), named["name"], named["tool"]),
+        lambda path: World.parse(path.read_text(), named["name"]),
     )
     check_same_table(world, named.get("table"), folder)
     return world

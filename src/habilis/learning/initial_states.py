@@ -8,8 +8,7 @@ import numpy as np
 from jaxtyping import Int64
 
 from habilis.mdp import TabularMDP
-from habilis.worlds.moving import free_cells
-from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
+from habilis.worlds.placements import Factors, Placement, start_of
 from habilis.worlds.plans import distances
 from habilis.worlds.reach import reachable
 from habilis.worlds.world import World
@@ -56,8 +55,8 @@ def random_placements(world: World, seed: int) -> Iterator[Placement]:
     Yields:
         Every placement once, in random order; in some the goal may be out of reach.
     """
-    free = [cell for cell in free_cells(world) if cell != world.agent]
-    names = [*tool_factors(world), *object_factors(world)]
+    free = [cell for cell in world.free_cells if cell != world.agent]
+    names = Factors.of(world).things
     random, met = np.random.default_rng(seed), set[tuple[int, ...]]()
     while len(met) < perm(len(free), len(names)):
         chosen = tuple(random.choice(len(free), len(names), replace=False).tolist())

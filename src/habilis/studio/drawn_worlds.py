@@ -5,8 +5,7 @@ from typing import Any
 
 from habilis.studio.fields import cell, checked, number, one_of, shown
 from habilis.studio.limits import THINGS, TOOL_SLIP
-from habilis.worlds.characters import FLOOR, WALL
-from habilis.worlds.parsing import fields_of, numbered
+from habilis.worlds.map_text import FLOOR, WALL
 from habilis.worlds.things import OBJECTS, PlacedObject, PlacedTool
 from habilis.worlds.world import World
 
@@ -68,15 +67,6 @@ def world_of(value: Any, kinds: Collection[str], name: str) -> World:
     objects = [_object(one) for one in _few("objects", given["objects"], 1)]
     tools.sort(key=lambda tool: tool["cell"])  # as a map is read
     objects.sort(key=lambda thing: (thing["goal"] is None, thing["cell"]))
-    tool_names = numbered([tool["kind"] for tool in tools])
-    object_names = numbered([thing["kind"] for thing in objects])
-    placed = [PlacedTool(called, **tool) for called, tool in zip(tool_names, tools, strict=True)]
-    things = [
-        PlacedObject(called, **thing) for called, thing in zip(object_names, objects, strict=True)
-    ]
-    first = things[0]
-    if first.goal is None:
-        raise ValueError(f"the first object, the {first.name}, has no goal; give it one")
     return World(
         name=name,
         height=len(rows),
@@ -88,8 +78,9 @@ def world_of(value: Any, kinds: Collection[str], name: str) -> World:
             if mark == WALL
         ),
         agent=cell("agent", given["agent"]),
-        drop=given["drop"] and bool(placed),
-        **fields_of(placed, things),
+        objects=tuple(PlacedObject(**thing) for thing in objects),
+        tools=tuple(PlacedTool(**tool) for tool in tools),
+        drop=given["drop"] and bool(tools),
     )
 
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from habilis.worlds.moving import free_cells
+from habilis.worlds.grid import STEPS
 from habilis.worlds.placements import Placement
 from habilis.worlds.world import Cell, World
 
-_SIDES = ((-1, 0), (0, 1), (1, 0), (0, -1))
 _TRIES = 8  # draws for each placement; most are good
 
 
@@ -24,7 +23,7 @@ def random_placements(world: World, count: int, seed: int = 0) -> list[Placement
     Raises:
         ValueError: the tool can never be in hand.
     """
-    free = free_cells(world)
+    free = world.free_cells
     inside = set(free)
     held: list[tuple[Cell, ...]] = [(agent,) for agent in free]
     if world.tools:
@@ -39,4 +38,4 @@ def random_placements(world: World, count: int, seed: int = 0) -> list[Placement
 
 
 def _beside(cell: Cell) -> list[Cell]:
-    return [(cell[0] + down, cell[1] + right) for down, right in _SIDES]
+    return [(cell[0] + down, cell[1] + right) for down, right in STEPS]

@@ -14,7 +14,6 @@ from habilis.studio.limits import DRAWN, FEWEST
 from habilis.studio.messages import Request, one_line
 from habilis.studio.pool import Pool, StepError
 from habilis.studio.scenes import Scene
-from habilis.worlds.moving import agent_cells
 from habilis.worlds.world import NO_TOOL
 
 _SETTLED = 0.1  # seconds without an edit, before averages are begun that the next one would end
@@ -97,7 +96,7 @@ async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) ->
         return found["bits"]
 
     bits: list[float] = []
-    places = len(agent_cells(scene.world))
+    places = len(scene.world.agent_cells)
     async for bits in in_stretches(places, step):
         await client.tell(number, progress=len(bits) / places)
     return bits
@@ -108,7 +107,7 @@ async def _averages(
 ) -> None:
     """What each tool is worth on average; where that cannot be said, why."""
     await asyncio.sleep(_SETTLED)
-    if scene.world.tool_cell is None and not scene.world.tools:
+    if scene.world.tool_cell is None:
         tools = ()
     # The tool in hand first, for it is what is looked at; then what it is compared with.
     here = {tool.kind for tool in scene.world.tools} or {NO_TOOL}
@@ -192,6 +191,6 @@ def _scene(request: Request) -> Scene:
 def _grid(scene: Scene, bits: list[float]) -> Grid:
     """Values of the agent's cells as rows of the map, `None` where the agent cannot be."""
     rows: Any = [[None] * scene.world.width for _ in range(scene.world.height)]
-    for (row, column), value in zip(agent_cells(scene.world), bits, strict=True):
+    for (row, column), value in zip(scene.world.agent_cells, bits, strict=True):
         rows[row][column] = value
     return rows

@@ -26,7 +26,6 @@ from habilis.studio.limits import DRAWN, FEWEST, GIB, SECONDS
 from habilis.studio.random_placements import random_placements
 from habilis.studio.scenes import ELSEWHERE, Scene
 from habilis.transitions import Transitions
-from habilis.worlds.moving import agent_cells
 from habilis.worlds.placements import Placement, start_of
 from habilis.worlds.plans import check_certain, solve
 from habilis.worlds.reach import TooManyPlacementsError, reachable
@@ -50,7 +49,7 @@ def landscape(scene: Scene) -> Answer:
     Only what h actions from there can touch is tabulated: on a small map as quick as looking up
     in a table of all placements, on a large one hundreds of times quicker.
     """
-    places = agent_cells(scene.world)
+    places = scene.world.agent_cells
     bits = np.empty(0) if not places else _bits(scene, [_at(scene, place) for place in places])
     return {"bits": bits.tolist()}
 
@@ -70,7 +69,7 @@ def sampled(scene: Scene, tool: str, first: int, end: int) -> Answer:
 def average(scene: Scene, tool: str) -> Answer:
     """What a tool, or none, is worth on average; `None` where that takes too long to be exact."""
     of_tool = scene.with_tool(tool)
-    if of_tool.is_stochastic and len(agent_cells(of_tool.world)) > _MANY:
+    if of_tool.is_stochastic and len(of_tool.world.agent_cells) > _MANY:
         return {"bits": None}
     mdp = tabulate(of_tool.world, scene.slip)
     states = np.flatnonzero(compared_states(mdp))
@@ -110,11 +109,11 @@ def choices(scene: Scene, agent: list[int]) -> Answer:
 def plan(scene: Scene, at: Placement | None = None) -> Answer:
     """A shortest plan from a placement, by default the map's, and what it passes through."""
     world = check_certain(scene.world)
-    if world.several:
-        mdp, start = _within_reach(world, scene.placement if at is None else at)
-    else:
+    if world.single:
         mdp = tabulate(world)
         start = mdp.start if at is None else state_of(world, mdp, at)
+    else:
+        mdp, start = _within_reach(world, scene.placement if at is None else at)
     found = solve(mdp, start)
     if found is None:
         return {"steps": None, "return": None, "actions": None, "placements": None}
@@ -223,7 +222,7 @@ def _everywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
     Raises:
         TooMuchError: it takes longer than anybody waits.
     """
-    problem, states = _uncertain(scene, [_at(scene, place) for place in agent_cells(scene.world)])
+    problem, states = _uncertain(scene, [_at(scene, place) for place in scene.world.agent_cells])
     check_effort(problem, states, 1, _LIMITS)
     return problem, states
 

@@ -14,9 +14,8 @@ from habilis.studio.drawn_worlds import world_of
 from habilis.studio.fields import cell, checked, number, one_of, text
 from habilis.studio.limits import HORIZON, SIDES, SLIP
 from habilis.worlds.map_text import header, map_lines
-from habilis.worlds.moving import put
 from habilis.worlds.own_tools import is_own
-from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
+from habilis.worlds.placements import Factors, Placement, placed_at, start_of
 from habilis.worlds.world import NO_TOOL, Cell, World
 
 SENSORS = ("state", "object", "tool", "agent", "cells")
@@ -95,7 +94,7 @@ class Scene:
     @property
     def is_stochastic(self) -> bool:
         """Whether outcomes are random: actions may slip, or tools fail."""
-        return bool(self.slip) or any(tool.slip for tool in self.world.tools)
+        return bool(self.slip) or self.world.may_fail
 
     @property
     def object(self) -> str:
@@ -114,21 +113,14 @@ class Scene:
         Raises:
             ValueError: something is not on a free cell of its own.
         """
-        tools, objects = tool_factors(self.world), object_factors(self.world)
-        missing = [name for name in ("agent", *objects) if name not in at]
+        missing = [name for name in ("agent", *Factors.of(self.world).objects) if name not in at]
         unknown = [name for name in at if name not in self.placement and name not in _HANDS]
         if missing or unknown:
             raise ValueError(
                 f"placement has {', '.join(at)}; give the cells of {', '.join(self.placement)}"
             )
-        there = {**self.placement, **at}
-        world = put(
-            self.world,
-            there["agent"],
-            [there[name] for name in tools],
-            [there[name] for name in objects],
-        )
-        return replace(self, world=world)
+        there = {name: at.get(name, cell) for name, cell in self.placement.items()}
+        return replace(self, world=placed_at(self.world, there))
 
     def with_tool(self, tool: str) -> "Scene":
         """What averages are of: a tool, what all actions can do to the object with it."""
@@ -138,7 +130,7 @@ class Scene:
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":
         """The sensor as the library takes it."""
         if self.sensor == "tool" and self.world.tools:
-            return tool_factors(self.world)[self.thing]
+            return Factors.of(self.world).tools[self.thing]
         if self.sensor == "object":
             return self.seen
         if self.sensor != "cells":
@@ -149,8 +141,7 @@ class Scene:
     @property
     def seen(self) -> str:
         """The factor of the object that it is about."""
-        factors = object_factors(self.world)
-        return factors[0 if self.sensor == "tool" else self.thing]
+        return Factors.of(self.world).objects[0 if self.sensor == "tool" else self.thing]
 
 
 _HANDS = (HELD, LAID)

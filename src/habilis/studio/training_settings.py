@@ -7,7 +7,6 @@ from habilis.learning.config import COUNT, DEFAULT, DISTILLATION, NO_INTRINSIC
 from habilis.studio.fields import checked, number
 from habilis.studio.limits import HORIZON, TRAINING
 from habilis.studio.scenes import Scene
-from habilis.worlds.rules import Grid
 
 SETTINGS = (
     *("intrinsic", "horizon", "beta", "runs", "seed", "algorithm", "episodes"),
@@ -67,7 +66,7 @@ def check_trainable(scene: Scene) -> None:
     Raises:
         ValueError: the world has too many placements.
     """
-    free, world = len(Grid.of(scene.world).free), scene.world
+    free, world = len(scene.world.free_cells), scene.world
     placements = free ** (1 + len(world.objects)) * (1 + 4 * len(world.tools))
     if placements > TRAINING["placements"]:
         raise ValueError(

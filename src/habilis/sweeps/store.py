@@ -72,7 +72,7 @@ def _points(path: Path) -> tuple[list[Point], list[str | None]]:
     try:
         listed = json.loads(path.read_text())
         maps = [values.pop("map") for values in listed]
-        worlds = [World.read_back(m["text"], m["name"], m["tool"]) for m in maps]
+        worlds = [World.parse(m["text"], m["name"]) for m in maps]
         points = list(zip(map(Config.from_dict, listed), worlds, strict=True))
         return points, [m.get("table") for m in maps]
     except FileNotFoundError:

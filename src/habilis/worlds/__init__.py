@@ -3,7 +3,7 @@
 from habilis.worlds.check_tool import check_tool
 from habilis.worlds.plans import Plan, solve
 from habilis.worlds.table import placement, tabulate
-from habilis.worlds.things import PlacedObject, PlacedTool
+from habilis.worlds.things import PlacedObject, PlacedTool, Vacancy
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import World, load_world, world_names
 
@@ -12,6 +12,7 @@ __all__ = [
     "PlacedTool",
     "Plan",
     "Tool",
+    "Vacancy",
     "World",
     "check_tool",
     "load_world",

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from habilis.worlds.answers import Method, Placements, ask, described, refusal
+from habilis.worlds.grid import Cells, Grid
 from habilis.worlds.own_tools import as_tool
 from habilis.worlds.pictures.shapes import Drawing, Shape
-from habilis.worlds.rules import Grid
-from habilis.worlds.tools import Cells, Tool, drawing_of
-from habilis.worlds.world import World
+from habilis.worlds.tool_calls import Method, Placements, call, in_words, refusal
+from habilis.worlds.tools import Tool, drawing_of
 
 _HEIGHT, _WIDTH = 7, 8
 _OTHER_WIDTHS = (13, 3, 1)  # of maps that a tool must not tell from the first
@@ -70,7 +69,7 @@ class _Room:
 
     @classmethod
     def of(cls, width: int) -> "_Room":
-        grid = Grid.of(World("room", _HEIGHT, width, frozenset(), (0, 0), (1, 0), (2, 0)))
+        grid = Grid.of(_HEIGHT, width)
         agent, tool = (
             np.concatenate(cells)
             for cells in zip(*((grid.free, grid.free + s) for s in grid.steps), strict=True)
@@ -100,10 +99,10 @@ class _Question:
 
     def ask(self, *placements: Cells):
         agent, tool, thing = placements or self.room.placements
-        return ask(self.room.grid, self.rule, self.method, (agent, tool, thing), *self.step)
+        return call(self.room.grid, self.rule, self.method, (agent, tool, thing), *self.step)
 
     def refuse(self, problem: str, mend: str, index: int) -> ValueError:
-        where = described(self.room.grid, self.room.placements, index, *self.step)
+        where = in_words(self.room.grid, self.room.placements, index, *self.step)
         return refusal(self.rule, self.method, problem, mend, where)
 
 
@@ -151,13 +150,13 @@ def _check_again(questions: "list[_Question]") -> None:
 
 def _check_place(question: _Question) -> None:
     """A placement further south or east has the same answer, further south or east."""
-    grid, told = question.room.grid, question.ask()
+    grid, result = question.room.grid, question.ask()
     moving = question.method != "attached"
     for shift in (grid.stride, 1):
         moved = tuple(cells + shift for cells in question.room.placements)
         kept = ~(grid.wall[moved[0]] | grid.wall[moved[1]] | grid.wall[moved[2]])
         there = question.ask(*(cells[kept] for cells in moved))
-        here = told[kept] + shift if moving else told[kept]
+        here = result[kept] + shift if moving else result[kept]
         if (there != here).any():
             index = int(np.flatnonzero(kept)[np.argmax(there != here)])
             raise question.refuse(
@@ -170,12 +169,12 @@ def _check_place(question: _Question) -> None:
 def _check_map(room: _Room, other: _Room, rule: Tool) -> None:
     """What happens in the same cells of a wider or narrower map is the same."""
     for question, there in zip(room.questions(rule), other.questions(rule), strict=True):
-        cells, told = _coordinates(question)
-        other_cells, other_told = _coordinates(there)
+        cells, results = _coordinates(question)
+        other_cells, other_results = _coordinates(there)
         known = {key: at for at, key in enumerate(map(bytes, other_cells))}
         pairs = [(at, known[key]) for at, key in enumerate(map(bytes, cells)) if key in known]
         here, at = np.array(pairs).T
-        differs = (told[here] != other_told[at]).any(axis=1)
+        differs = (results[here] != other_results[at]).any(axis=1)
         if differs.any():
             raise question.refuse(
                 f"answers otherwise on a map {other.grid.width} columns wide",
@@ -187,14 +186,14 @@ def _check_map(room: _Room, other: _Room, rule: Tool) -> None:
 
 def _coordinates(question: _Question) -> tuple[np.ndarray, np.ndarray]:
     """Rows and columns of the placements, int[n, 6], and of the answers, or these as they are."""
-    grid, told = question.room.grid, question.ask()
+    grid, result = question.room.grid, question.ask()
 
     def of(cells: Cells) -> list[np.ndarray]:
         row, column = np.divmod(cells, grid.stride)
         return [row, column]
 
     placed = [part for cells in question.room.placements for part in of(cells)]
-    answer = [told] if question.method == "attached" else of(told)
+    answer = [result] if question.method == "attached" else of(result)
     return np.stack(placed, axis=1), np.stack(answer, axis=1)
 
 
@@ -216,7 +215,7 @@ def _check_attached(room: _Room, rule: Tool) -> None:
         side, lands = agent + step, swung.ask()
         fits = ~grid.wall[side] & ~grid.wall[lands] & (side != lands) & (agent != lands)
         asked = np.flatnonzero(attached & fits)
-        still = ask(grid, rule, "attached", (agent[asked], side[asked], lands[asked]))
+        still = call(grid, rule, "attached", (agent[asked], side[asked], lands[asked]))
         if not still.all():
             raise swung.refuse(
                 "lets an object go that is called attached",

@@ -1,9 +1,14 @@
-"""The lines of a map's text: what is above the map, and its rows."""
+"""The characters and lines of a map's text: its rows, and the header above them."""
 
 import re
 from dataclasses import dataclass
 
-from habilis.worlds.characters import BINDS, COMMENT
+WALL, FLOOR, AGENT, OBJECT, GOAL = "#.ACG"
+TOOL = "tool"
+"""The role of a tool's character, beside those of these: every tool has a character of its own."""
+COMMENT = ";"
+BINDS = "="
+"""Between a character and what it stands for, in a line above the map."""
 
 DROP = "drop"
 """The setting above a map that lets the agent put down its tool."""
@@ -16,6 +21,16 @@ _SETTING = re.compile(r"([a-z]+)\s*:\s*(\S+)")
 _TRIES_TO_BIND = re.compile(rf"(?=.*[\sa-z:]).*{BINDS}.*")
 _TRIES_TO_SET = re.compile(r"(?=.*[a-z])[A-Za-z]{2,}\s*:.*")
 _EMPTY = "the map is empty; draw at least one row, such as 'AP.CG'"
+
+_TAKEN = {
+    WALL: "a wall",
+    FLOOR: "floor",
+    AGENT: "the agent",
+    OBJECT: "the can",
+    GOAL: "the goal",
+    COMMENT: "a comment",
+    BINDS: "what binds a character",
+}
 
 Lines = list[tuple[int, str]]
 """Lines with their numbers, from 1."""
@@ -39,7 +54,7 @@ def map_lines(text: str, name: str) -> Lines:
 
 @dataclass(frozen=True)
 class Header:
-    """What stands above a map.
+    """The lines above a map.
 
     Attributes:
         bound: by character the line's number and what it binds the character to.
@@ -51,7 +66,7 @@ class Header:
 
 
 def header(lines: Lines, name: str) -> tuple[Header, Lines]:
-    """What lines above the map say, and the map's rows."""
+    """The header that the lines above the map make, and the map's rows."""
     bound: dict[str, tuple[int, str]] = {}
     drop: tuple[int, bool] | None = None
     rows = list(lines)
@@ -113,3 +128,22 @@ def _drop(place: str, setting: str, value: str) -> bool:
     if value not in ("true", "false"):
         raise ValueError(f"{place}: {DROP} is {value!r}; say 'true' or 'false'")
     return value == "true"
+
+
+def check_free(character: object, but: str = "") -> None:
+    """Refuses what cannot stand for a tool, or something else of one's own, on a map.
+
+    Args:
+        character: what is to stand for it.
+        but: a character that may, though a map has another use for it.
+
+    Raises:
+        ValueError: it is not one printable character, or a map needs it for something else.
+    """
+    if not isinstance(character, str) or len(character) != 1 or not character.isprintable():
+        raise ValueError(f"character is {character!r}; give one printable character, such as 'R'")
+    if character.isspace() or (character in _TAKEN and character != but):
+        meaning = _TAKEN.get(character, "nothing")
+        raise ValueError(
+            f"character {character!r} stands for {meaning} on a map; give another, such as 'R'"
+        )

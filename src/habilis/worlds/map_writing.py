@@ -1,16 +1,13 @@
 """From the things of a world to its map's text."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from string import ascii_uppercase
-from typing import TYPE_CHECKING
 
-from habilis.worlds.characters import AGENT, BINDS, FLOOR, GOAL, OBJECT, TOOL, WALL
-from habilis.worlds.map_text import DROP
-from habilis.worlds.things import CAN, OBJECTS, Cell, PlacedTool
+from habilis.worlds.grid import Cell
+from habilis.worlds.map_text import AGENT, BINDS, DROP, FLOOR, GOAL, OBJECT, TOOL, WALL
+from habilis.worlds.things import CAN, OBJECTS, PlacedObject, PlacedTool
 from habilis.worlds.tools import TOOLS, UNBOUND
-
-if TYPE_CHECKING:
-    from habilis.worlds.world import World
 
 
 @dataclass(frozen=True)
@@ -30,39 +27,41 @@ class Mark:
     binding: str = ""
 
 
-def marks_of(world: "World") -> list[Mark]:
-    """All that stands on a map besides walls, the goals first: what is on them hides them."""
-    alone = len(world.objects) == 1
-    usual_ones = [OBJECT if alone else OBJECTS[thing.kind].character for thing in world.objects]
-    known = (rule.character for rule in (*world.rules, *TOOLS.values()))
+def marks_of(
+    agent: Cell, tools: Sequence[PlacedTool], objects: Sequence[PlacedObject]
+) -> list[Mark]:
+    """The marks of a map besides walls, the goals first: what is on them hides them."""
+    alone = len(objects) == 1
+    usual_ones = [OBJECT if alone else OBJECTS[thing.kind].character for thing in objects]
+    known = (rule.character for rule in (*(tool.rule for tool in tools), *TOOLS.values()))
     free = _Characters({WALL, FLOOR, AGENT}, {OBJECT, GOAL, *usual_ones, *known})
-    goals, objects = [], []
-    for thing, wanted in zip(world.objects, usual_ones, strict=True):
+    goals, marks = [], []
+    for thing, wanted in zip(objects, usual_ones, strict=True):
         character = free.take(wanted)
         usual = character == OBJECT and thing.kind == CAN
         binds = "" if usual else _bound(character, thing.kind)
-        objects.append(Mark(character, thing.cell, OBJECT, binds))
+        marks.append(Mark(character, thing.cell, OBJECT, binds))
         if thing.goal is not None:
             goal = free.take(GOAL)
             of = _bound(goal, f"goal of {character}") if not alone else ""
             goals.append(Mark(goal, thing.goal, GOAL, of))
-    tools = []
-    for tool, rule in zip(world.tools, world.rules, strict=True):
-        character = free.take(rule.character)
-        binds = _tool_binding(character, rule.character, tool)
-        tools.append(Mark(character, tool.cell, TOOL, binds))
-    return [*goals, *objects, Mark(AGENT, world.agent, AGENT), *tools]
+    marks.append(Mark(AGENT, agent, AGENT))
+    for tool in tools:
+        character = free.take(tool.rule.character)
+        binds = _tool_binding(character, tool.rule.character, tool)
+        marks.append(Mark(character, tool.cell, TOOL, binds))
+    return [*goals, *marks]
 
 
-def header_of(world: "World") -> list[str]:
+def header_of(marks: Sequence[Mark], drop: bool) -> list[str]:
     """The lines above the map: tools, objects, then the goals of these."""
     bound = [
         mark.binding
         for role in (TOOL, OBJECT, GOAL)
-        for mark in marks_of(world)
+        for mark in marks
         if mark.role == role and mark.binding
     ]
-    return [*bound, *([f"{DROP}: true"] if world.drop else [])]
+    return [*bound, *([f"{DROP}: true"] if drop else [])]
 
 
 def binding(character: str, kind: str) -> str:

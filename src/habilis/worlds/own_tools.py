@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from habilis.files import shown
-from habilis.worlds.characters import check_free
+from habilis.worlds.map_text import check_free
 from habilis.worlds.tools import TOOLS, Tool
 
 _BETWEEN = ":"  # the file or module, and the class in it

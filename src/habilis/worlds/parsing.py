@@ -1,16 +1,28 @@
 """From a map's text to the things of a world."""
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from habilis.files import shown
-from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL, check_free
-from habilis.worlds.map_text import Header, Lines, header, map_lines
+from habilis.worlds.grid import Cell
+from habilis.worlds.map_text import (
+    AGENT,
+    FLOOR,
+    GOAL,
+    OBJECT,
+    TOOL,
+    WALL,
+    Header,
+    Lines,
+    check_free,
+    header,
+    map_lines,
+)
 from habilis.worlds.own_tools import beside, is_own, tool_named
-from habilis.worlds.things import CAN, OBJECTS, Cell, PlacedObject, PlacedTool
+from habilis.worlds.things import CAN, OBJECTS, PlacedObject, PlacedTool
 from habilis.worlds.tools import OURS, TOOLS, UNBOUND, Reading
 
 _GOAL_OF = re.compile(r"goal of (\S)")
@@ -20,7 +32,7 @@ _ROLES = {AGENT: "agent", OBJECT: CAN, GOAL: "goal", TOOL: "tool"}
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a character of a map stands for.
+    """The meaning of a character of a map.
 
     Attributes:
         role: `AGENT`, `OBJECT`, `GOAL` or `TOOL`.
@@ -52,41 +64,16 @@ def parsed(text: str, name: str, folder: Path | None) -> dict[str, Any]:
                 f"{name}: the map has no {_ROLES[role]}; put one {role!r} on a floor cell"
             )
     agent = next(cell for mark, cell in marks.items() if meanings[mark].role == AGENT)
-    objects, tools = _objects(marks, meanings, name), _tools(marks, meanings)
     return {
         "name": name,
         "height": len(lines),
         "width": len(lines[0][1]),
         "walls": frozenset(walls),
         "agent": agent,
+        "tools": _tools(marks, meanings),
+        "objects": _objects(marks, meanings, name),
         "drop": head.drop,
-    } | fields_of(tools, objects)
-
-
-def fields_of(tools: Sequence[PlacedTool], objects: Sequence[PlacedObject]) -> dict[str, Any]:
-    """The fields of a world in which these things are, in this order."""
-    first, *others = objects
-    found: dict[str, Any] = {
-        "object": first.cell,
-        "goal": first.goal,
-        "object_kind": first.kind,
-        "more_objects": tuple(others),
     }
-    if tools:
-        tool, *further = tools
-        found |= {"tool": tool.kind, "tool_cell": tool.cell, "tool_slip": tool.slip}
-        found["reading"] = tool.reading
-        found["more_tools"] = tuple(further)
-    return found
-
-
-def numbered(kinds: list[str]) -> list[str]:
-    """Names for things by their kinds: the second can is "can2"."""
-    names = [kind.rpartition(":")[2] for kind in kinds]
-    return [
-        name if not (before := names[:place].count(name)) else f"{name}{before + 1}"
-        for place, name in enumerate(names)
-    ]
 
 
 def _check_used(head: Header, marks: Collection[str], name: str) -> None:
@@ -113,7 +100,7 @@ def _meanings(head: Header, name: str, folder: Path | None) -> dict[str, Meaning
 
 
 def _meaning(character: str, said: str, folder: Path | None) -> Meaning:
-    """What a line above the map binds a character to."""
+    """The meaning that a line above the map gives a character."""
     goal, slipping = _GOAL_OF.fullmatch(said), _SLIP.fullmatch(said)
     if goal is not None:
         check_free(character, but=GOAL)
@@ -208,19 +195,15 @@ def _objects(
             raise ValueError(f"{name}: {mark!r} is a second goal of {of!r}; keep one")
         goals[of] = cell
     objects.sort(key=lambda mark: mark not in goals)
-    names = numbered([meanings[mark].kind for mark in objects])
     return tuple(
-        PlacedObject(called, meanings[mark].kind, marks[mark], goals.get(mark))
-        for called, mark in zip(names, objects, strict=True)
+        PlacedObject(meanings[mark].kind, marks[mark], goals.get(mark)) for mark in objects
     )
 
 
 def _tools(marks: dict[str, Cell], meanings: dict[str, Meaning]) -> tuple[PlacedTool, ...]:
     """The tools as the map is read."""
-    tools = [mark for mark in marks if meanings[mark].role == TOOL]
-    names = numbered([meanings[mark].kind for mark in tools])
     return tuple(
-        PlacedTool(called, said.kind, marks[mark], said.slip, reading=said.reading)
-        for called, mark in zip(names, tools, strict=True)
-        for said in (meanings[mark],)
+        PlacedTool(said.kind, cell, said.slip, reading=said.reading)
+        for mark, cell in marks.items()
+        if (said := meanings[mark]).role == TOOL
     )

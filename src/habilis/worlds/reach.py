@@ -1,20 +1,22 @@
 """The part of a world's table that can be reached from given placements."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Int64, Integer
 from numpy.typing import ArrayLike
 
 from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
-from habilis.worlds.described import actions_of, describe
-from habilis.worlds.placements import WANTED, Keys, Packing, Placement, places_of
-from habilis.worlds.rules import Grid, Kinds, Places, successor, taken_up
+from habilis.worlds.placements import WANTED, Placement, actions_of, describe, places_of
+from habilis.worlds.rules import NONE, Kinds, Places, successor, taken_up
 from habilis.worlds.world import World
 
 MAX_STATES = 50_000_000
+Keys = Int64[np.ndarray, "states"]
 
 
 class TooManyPlacementsError(ValueError):
@@ -60,14 +62,13 @@ def reachable(
     # Numba takes as long to import as everything else together: only who needs it pays.
     from habilis.worlds.interning import Interned
 
-    ways = [True, False] if any(tool.slip for tool in world.tools) else [True]
+    ways = [True, False] if world.may_fail else [True]
     rows: list[np.ndarray] = []
     done = level = 0
     with progress_bar("placements", show_progress) as tell:  # reading a large map takes time too
-        grid = Grid.of(world)
-        packing = Packing.of(world, grid)
+        packing = Packing.of(world)
         if not isinstance(placements, Places):
-            placements = places_of(world, grid, _listed(placements))
+            placements = places_of(world, _listed(placements))
         asked = packing.packed(placements)
         found = Interned()
         found.add(asked)
@@ -75,7 +76,7 @@ def reachable(
             frontier = len(found)
             for first in range(done, frontier, _BLOCK):
                 keys = found.keys[first : min(first + _BLOCK, frontier)]
-                after = _after(world, grid, packing, keys, ways)
+                after = _after(world, packing, keys, ways)
                 rows.append(found.add(after.ravel()).reshape(after.shape))
                 if len(found) > max_states:
                     raise too_many(world, horizon, max_states)
@@ -95,14 +96,74 @@ def reachable(
     return (
         describe(
             world,
-            grid,
-            packing.unpacked(grid, known[order]),
+            packing.unpacked(known[order]),
             np.ascontiguousarray(leads[:, 0]),
             int(states[0]) if len(states) else 0,
             failing,
         ),
         states,
     )
+
+
+@dataclass(frozen=True)
+class Packing:
+    """Each placement as one number, in the order of its cells.
+
+    Attributes:
+        free: the cells of the map that are no walls.
+        rank: of each cell among them.
+        tools, objects: how many there are.
+        drop: whether tools may be put down.
+    """
+
+    free: Integer[np.ndarray, "free"]
+    rank: Integer[np.ndarray, "cells"]
+    tools: int
+    objects: int
+    drop: bool
+
+    @classmethod
+    def of(cls, world: World) -> "Packing":
+        """The packing of a world.
+
+        Raises:
+            ValueError: there are too many things for so large a map.
+        """
+        free = world.grid.free
+        rank = np.full(len(world.grid.wall), -1)
+        rank[free] = np.arange(len(free))
+        counts = len(world.tools), len(world.objects)
+        packing = cls(free, rank, *counts, world.drop)
+        if prod(packing._bases) >= 2**63:
+            raise ValueError(
+                f"{world.name}: {sum(counts)} things on {len(free)} free cells have more "
+                "placements than can be numbered; take things away, or make the map smaller"
+            )
+        return packing
+
+    @property
+    def _bases(self) -> list[int]:
+        cells = [len(self.free)] * (1 + self.tools + self.objects)
+        return cells + [self.tools + 1] * (1 + self.drop)
+
+    def packed(self, at: Places) -> Keys:
+        hands = (at.held,) if at.laid is None else (at.held, at.laid)
+        digits = [*(self.rank[cells] for cells in at.cells), *(hand - NONE for hand in hands)]
+        keys = np.zeros(at.agent.shape, np.int64)
+        for base, digit in zip(self._bases, digits, strict=True):
+            keys = keys * base + digit
+        return keys
+
+    def unpacked(self, keys: Keys) -> Places:
+        digits = []
+        for base in reversed(self._bases):
+            keys, digit = np.divmod(keys, base)
+            digits.append(digit)
+        digits.reverse()
+        cells = [self.free[digit] for digit in digits[: 1 + self.tools + self.objects]]
+        hands = [digit + NONE for digit in digits[len(cells) :]]
+        agent, tools, objects = cells[0], cells[1 : 1 + self.tools], cells[1 + self.tools :]
+        return Places(agent, tuple(tools), tuple(objects), *hands)
 
 
 def _listed(placements: Any) -> list[Any]:
@@ -114,10 +175,10 @@ def _listed(placements: Any) -> list[Any]:
 
 
 def _after(
-    world: World, grid: Grid, packing: Packing, keys: Keys, ways: list[bool]
+    world: World, packing: Packing, keys: Keys, ways: list[bool]
 ) -> Int64[np.ndarray, "states ways A"]:
-    """Where each action leads from each placement, if the tool works and if it fails."""
-    at, kinds = packing.unpacked(grid, keys), Kinds.of(world)
+    """The keys that each action leads to from each placement, if the tool works and if it fails."""
+    at, grid, kinds = packing.unpacked(keys), world.grid, Kinds.of(world)
     actions = range(len(actions_of(world)))
     return np.stack(
         [

@@ -3,93 +3,29 @@
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
-from typing import Any
 
 import numpy as np
-from jaxtyping import Bool
 
-from habilis.worlds.answers import NEAR, answers
+from habilis.worlds.grid import MOVES, STEPS, Cell, Cells, Flags, Grid
 from habilis.worlds.things import OBJECTS, ObjectKind
-from habilis.worlds.tools import Cells, Flags, Reading, Tool
-from habilis.worlds.world import Cell, World
+from habilis.worlds.tool_calls import call_in_hand
+from habilis.worlds.tools import Reading, Tool
+from habilis.worlds.world import World
 
-MOVES = ("north", "east", "south", "west")
 ACTIONS = (*MOVES, *(f"tool {side}" for side in MOVES))
 """Names of the actions in their order: 0 to 3 move the agent, 4 to 7 put the tool on a side."""
 DROP, DROP_NAME = len(ACTIONS), "drop"
 """The action that puts the tool down, in worlds that have it."""
 NONE = -1
-"""Stands for no tool, where one is told by its place among them."""
+"""No tool, where a tool is given by its place among them."""
 
-_SIDES: tuple[Cell, ...] = ((-1, 0), (0, 1), (1, 0), (0, -1))
 Way = tuple[tuple[Cell, ...], tuple[tuple[Cell, tuple[Cell, ...]], ...]]
 """Cells that a tool crosses, and for each cell of what it may hold the cells that this crosses."""
-
-BORDER = NEAR
-"""Cells around the map, and how far at most from agent, tool or its own cell an object lands: so
-that no tool, whatever it does, gets past the border, or round it to the other side."""
-
-
-@dataclass(frozen=True)
-class Grid:
-    """The map as a flat array of cells inside a border of walls.
-
-    With the border, a neighbour is one addition away and leaving the map is running into a
-    wall. Past the map lies one free cell, `nowhere`, adjacent to none: the place of a tool
-    that a world does not have.
-    """
-
-    wall: Bool[np.ndarray, "cells"]
-    width: int
-    stride: int
-    nowhere: int
-
-    @classmethod
-    def of(cls, world: World) -> "Grid":
-        stride = world.width + 2 * BORDER
-        wall = np.ones((world.height + 2 * BORDER, stride), bool)
-        for row in range(world.height):
-            for column in range(world.width):
-                wall[row + BORDER, column + BORDER] = (row, column) in world.walls
-        nowhere = wall.size + stride
-        flat = np.append(wall.ravel(), np.ones(2 * stride, bool))
-        flat[nowhere] = False
-        return cls(flat, world.width, stride, nowhere)
-
-    @property
-    def steps(self) -> tuple[int, int, int, int]:
-        """What to add to a cell to get its neighbour to the north, east, south and west."""
-        return -self.stride, 1, self.stride, -1
-
-    @property
-    def free(self) -> Cells:
-        """The cells of the map that are not walls, row by row."""
-        return np.flatnonzero(~self.wall[: self.nowhere])
-
-    def index(self, cell: Any) -> Any:
-        """The index of a cell (row, column), or of each of int[2, n]."""
-        return (cell[0] + BORDER) * self.stride + cell[1] + BORDER
-
-    def cell(self, index: int | np.integer) -> Cell:
-        """The cell that has an index."""
-        row, column = divmod(int(index), self.stride)
-        return row - BORDER, column - BORDER
-
-    def label(self, cells: Cells) -> Cells:
-        """`row * width + column` on the map; -1 for `nowhere`."""
-        row, column = np.divmod(cells, self.stride)
-        label = (row - BORDER) * self.width + column - BORDER
-        return np.where(cells == self.nowhere, -1, label)
-
-    def adjacent(self, a: Cells, b: Cells):
-        """Manhattan distance 1. Walls part the rows, so flat neighbours are neighbours."""
-        distance = np.abs(a - b)
-        return (distance == 1) | (distance == self.stride)
 
 
 @dataclass(frozen=True)
 class Kinds:
-    """What the things of a world are, which decides on how they move."""
+    """The kinds of a world's things, which decide how they move."""
 
     tools: tuple[Tool, ...]
     objects: tuple[ObjectKind, ...]
@@ -97,8 +33,11 @@ class Kinds:
 
     @classmethod
     def of(cls, world: World) -> "Kinds":
-        objects = tuple(OBJECTS[thing.kind] for thing in world.objects)
-        return cls(world.rules, objects, tuple(tool.reading for tool in world.tools))
+        return cls(
+            tuple(tool.rule for tool in world.tools),
+            tuple(OBJECTS[thing.kind] for thing in world.objects),
+            tuple(tool.reading for tool in world.tools),
+        )
 
 
 @dataclass(frozen=True)
@@ -219,7 +158,7 @@ def attached(grid: Grid, kinds: Kinds, at: Places, one: int) -> Flags:
         for index, rule in enumerate(kinds.tools):
             places = at.agent, at.tools[index], at.objects[one]
             held = at.held == index
-            found = answers(grid, rule, "attached", places, where=held, elsewhere=found)
+            found = call_in_hand(grid, rule, "attached", places, where=held, elsewhere=found)
             found |= _sideways(grid, kinds, at, index, one)
     return found
 
@@ -247,7 +186,7 @@ def _moved(
             seen = _ahead(grid, to.tools[index], step, others)
         method = "carry" if carried else "swing"
         places, held = (at.agent, at.tools[index], thing), at.held == index
-        new = answers(grid, rule, method, places, step, where=held, elsewhere=new, seen=seen)
+        new = call_in_hand(grid, rule, method, places, step, where=held, elsewhere=new, seen=seen)
         beside = _sideways(grid, kinds, at, index, one)
         if np.any(beside):
             with_it = thing + step if carried else _turned(at, index, one, step)
@@ -314,8 +253,8 @@ def ways_round(arm: int, side: int) -> tuple[Way, ...]:
         middle of the tool crosses; and with every cell in which something may be that is held,
         those whose squares its middle crosses then.
     """
-    row, column = _SIDES[arm]
-    beside = [(row + r, column + c) for r, c in _SIDES if abs(r) != abs(row)]
+    row, column = STEPS[arm]
+    beside = [(row + r, column + c) for r, c in STEPS if abs(r) != abs(row)]
     quarters = (side - arm + 1) % 4 - 1
     return tuple(
         (

@@ -2,19 +2,26 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Int32
 
-from habilis.mdp import HELD, TabularMDP
+from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
-from habilis.worlds.described import actions_of, describe, entry_rewards
-from habilis.worlds.moving import put
-from habilis.worlds.placements import Placement, object_factors, start_of, tool_factors
+from habilis.worlds.grid import Cells, Grid
+from habilis.worlds.placements import (
+    Factors,
+    Placement,
+    actions_of,
+    describe,
+    entry_rewards,
+    placed_at,
+    start_of,
+)
 from habilis.worlds.reach import MAX_STATES, TooManyPlacementsError, reachable
-from habilis.worlds.rules import Grid, Kinds, Places, successor
-from habilis.worlds.tools import Cells
-from habilis.worlds.world import Cell, World
+from habilis.worlds.rules import Kinds, Places, successor
+from habilis.worlds.world import World
 
 _BLOCK = 1 << 14  # placements moved at once: the arrays of one block stay in the cache
 _MORE = "or raise max_states if there is memory for it"
@@ -28,7 +35,7 @@ def tabulate(
     max_states: int = MAX_STATES,
     show_progress: bool = False,
 ) -> TabularMDP:
-    r"""Every placement of agent, tool and object, and what each action does to it.
+    r"""Every placement of agent, tool and object, and where each action leads from it.
 
     The states are all placements with the tool in hand, and all with the tool lying at its
     cell of the map; without a tool, all placements of agent and object. Reward and end of an
@@ -68,7 +75,7 @@ def tabulate(
         >>> list(tabulate(several).factors)
         ['agent', 'tool:picker', 'object:can', 'object:ball', 'held']
     """
-    if world.several or starts is not None:
+    if starts is not None or not world.single:
         starts = [start_of(world)] if starts is None else starts
         try:
             reached = reachable(world, starts, None, max_states, show_progress)[0]
@@ -80,14 +87,12 @@ def tabulate(
 
 def placements(world: World) -> int:
     """How many placements a world with one object and at most one tool has at most."""
-    grid = Grid.of(world)
-    return len(_hands(world, grid)) * len(grid.free)
+    return len(_hands(world)) * len(world.grid.free)
 
 
 def _whole(world: World, max_states: int, show_progress: bool = False) -> TabularMDP:
     """The table of a world with one object and at most one tool, all placements in it."""
-    grid, kinds = Grid.of(world), Kinds.of(world)
-    hands = _hands(world, grid)
+    grid, kinds, hands = world.grid, Kinds.of(world), _hands(world)
     most = len(hands) * len(grid.free)
     if most > max_states:
         raise ValueError(
@@ -104,12 +109,12 @@ def _whole(world: World, max_states: int, show_progress: bool = False) -> Tabula
     tools = [hands[hand, 1]] if world.tools else []
     at = Places.of(grid, hands[hand, 0], tuple(tools), (thing,))
 
-    actions, works = len(actions_of(world)), [True, False] if world.tool_slip else [True]
+    actions, works = len(actions_of(world)), [True, False] if world.may_fail else [True]
     with progress_bar("placements", show_progress) as tell:
         ways = [_led(grid, kinds, at, state_of, hand_of, actions, way, tell) for way in works]
-    start_tool = _tool_cell(world, grid) if world.tools else grid.nowhere
-    start = state_of[hand_of[grid.index(world.agent), start_tool], grid.index(world.object)]
-    return describe(world, grid, at, ways[0], int(start), *ways[1:])
+    tool = grid.index(world.tools[0].cell) if world.tools else grid.nowhere
+    start = state_of[hand_of[grid.index(world.agent), tool], grid.index(world.object)]
+    return describe(world, at, ways[0], int(start), *ways[1:])
 
 
 def _led(
@@ -122,7 +127,7 @@ def _led(
     works: bool,
     tell: Callable[[int, int], None],
 ) -> Int32[np.ndarray, "S A"]:
-    """Where each action leads."""
+    """The state that each action leads to."""
     next_state = np.empty((len(at.agent), actions), np.int32)
     for first in range(0, len(at.agent), _BLOCK):
         block = slice(first, first + _BLOCK)
@@ -141,16 +146,13 @@ def restarted(mdp: TabularMDP, world: World) -> TabularMDP:
     Only the goal, and where agent and object start, may be others.
     """
     terminal = mdp.factor("object") == mdp.label(world.goal)
-    cells = {"agent": world.agent, "object": world.object, "tool": world.tool_cell}
     entry_reward = entry_rewards(terminal)
     return replace(
         mdp,
         terminal=terminal,
         reward=entry_reward[mdp.next_state],
         entry_reward=entry_reward,
-        start=mdp.find(
-            **{name: cell for name, cell in cells.items() if name in mdp.factors and cell}
-        ),
+        start=mdp.find(**start_of(world)),
     )
 
 
@@ -166,34 +168,22 @@ def placement(world: World, mdp: TabularMDP, state: int | np.integer) -> World:
         Another world. Its own table begins with the first tool beside the agent in hand, whatever
         the state had.
     """
-
-    def cell(factor: str) -> Cell:
-        row, column = divmod(int(mdp.factor(factor)[state]), world.width)
-        return row, column
-
-    return put(
-        world,
-        agent=cell("agent"),
-        tools=[cell(name) for name in tool_factors(world)],
-        objects=[cell(name) for name in object_factors(world)],
-        held=int(mdp.factor(HELD)[state]) if HELD in mdp.factors else None,
-    )
+    names = Factors.of(world)
+    found: dict[str, Any] = {name: int(mdp.factor(name)[state]) for name in names.hands}
+    for name in ("agent", *names.things):
+        found[name] = divmod(int(mdp.factor(name)[state]), world.width)
+    return placed_at(world, found)
 
 
-def _hands(world: World, grid: Grid) -> Cells:
+def _hands(world: World) -> Cells:
     """All (agent, tool) cells, int[pairs, 2]: first the tool lying, then in hand by side."""
-    free = grid.free
-    if world.tool_rule is None:
+    grid, free = world.grid, world.grid.free
+    if not world.tools:
         return np.stack([free, np.full_like(free, grid.nowhere)], axis=1)
-    lies = np.full_like(free, _tool_cell(world, grid))
+    lies = np.full_like(free, grid.index(world.tools[0].cell))
     apart = (free != lies) & ~grid.adjacent(free, lies)
     pairs = [np.stack([free, lies], axis=1)[apart]]
     for step in grid.steps:
         held = np.stack([free, free + step], axis=1)
         pairs.append(held[~grid.wall[free + step]])
     return np.concatenate(pairs)
-
-
-def _tool_cell(world: World, grid: Grid) -> int:
-    assert world.tool_cell is not None, "a world with a tool has a cell for it"
-    return grid.index(world.tool_cell)

@@ -1,18 +1,20 @@
-"""The things of a world that holds several: tools and objects of various kinds."""
+"""Tools and objects: their kinds, and where a map has them."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
+from habilis.worlds.grid import Cell
 from habilis.worlds.own_tools import is_in_file, is_own, located, tool_named
 from habilis.worlds.tools import OURS, Reading, Tool
 
-Cell = tuple[int, int]
-"""(row, column), row 0 at the top."""
+Where = Cell | Mapping[str, Cell]
+"""The cell of the only tool or object, or cells by names."""
 
 
 @dataclass(frozen=True)
 class ObjectKind:
-    """What moves an object.
+    """How an object can be moved.
 
     Attributes:
         character: that usually stands for it on a map.
@@ -38,16 +40,16 @@ class PlacedObject:
     """An object on a map.
 
     Attributes:
-        name: what factors call it.
         kind: one of `OBJECTS`.
         cell: where it starts.
         goal: the cell that it is to be brought to; `None` if it does not matter where it is.
+        name: what factors call it; by default its kind, the second of a kind as "can2".
     """
 
-    name: str
     kind: str
     cell: Cell
     goal: Cell | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -55,25 +57,30 @@ class PlacedTool:
     """A tool on a map.
 
     Attributes:
-        name: what factors call it.
         kind: a built-in one's, or where one's own is, as "mytools.py:Rake".
         cell: where it lies.
         slip: the probability that what it does to objects fails.
-        own: a tool of one's own; found by its kind, unless it is given.
+        name: what factors call it; by default its kind, or its class, the second of a name as
+            "picker2".
         reading: of the rules by which it moves.
+        own: a tool of one's own; found by its kind, unless it is given.
+
+    Raises:
+        ValueError: no such tool.
     """
 
-    name: str
     kind: str
     cell: Cell
     slip: float = 0.0
-    own: Tool | None = field(default=None, repr=False, hash=False)
+    name: str = ""
     reading: Reading = OURS
+    own: Tool | None = field(default=None, repr=False, hash=False)
 
     def __post_init__(self) -> None:
         """Finds one's own tool: what it does stays the same, whatever becomes of its file."""
-        if self.own is None and is_own(self.kind):
-            object.__setattr__(self, "own", tool_named(self.kind))
+        if self.own is None:
+            found = tool_named(self.kind)
+            object.__setattr__(self, "own", found if is_own(self.kind) else None)
 
     @property
     def rule(self) -> Tool:
@@ -90,13 +97,82 @@ class PlacedTool:
 
     def __reduce__(self) -> Any:
         """A file with a tool is run anew elsewhere: its module cannot be imported by name."""
-        values = self.name, self.kind, self.cell, self.slip
+        values = self.kind, self.cell, self.slip, self.name, self.reading
         if self.own is None or not is_in_file(self.kind):
-            return PlacedTool, (*values, self.own, self.reading)
-        return _placed_tool, (*values, located(self.kind), self.reading)
+            return PlacedTool, (*values, self.own)
+        return _placed_tool, (*values, located(self.kind))
+
+
+@dataclass(frozen=True)
+class Vacancy:
+    """The place of a tool that was taken off a map; another tool can be put there.
+
+    Attributes:
+        cell: where the tool was.
+        reading: of the rules by which the tool moved, and any that takes its place.
+    """
+
+    cell: Cell
+    reading: Reading = OURS
+
+
+Thing = TypeVar("Thing", PlacedTool, PlacedObject)
+
+
+def named(things: Sequence[Thing]) -> tuple[Thing, ...]:
+    """The same things, those without a name named by their kinds: the second can is "can2"."""
+    kinds = [thing.kind.rpartition(":")[2] for thing in things]
+    found = []
+    for place, (thing, kind) in enumerate(zip(things, kinds, strict=True)):
+        before = kinds[:place].count(kind)
+        name = f"{kind}{before + 1}" if before else kind
+        found.append(thing if thing.name else replace(thing, name=name))
+    return tuple(found)
+
+
+def moved(things: Sequence[Thing], cells: Sequence[Cell]) -> tuple[Thing, ...]:
+    """The same things in these cells."""
+    return tuple(replace(one, cell=cell) for one, cell in zip(things, cells, strict=True))
+
+
+def cells_of(
+    world: str,
+    kind: str,
+    things: Sequence[PlacedTool] | Sequence[PlacedObject],
+    where: Where | None,
+) -> list[Cell]:
+    """The cell of each thing, some of them given.
+
+    Args:
+        world: what errors call the map.
+        kind: what they call a thing.
+        things: the tools or the objects.
+        where: a cell where there is one of them, or cells by names; others stay where they are.
+
+    Raises:
+        ValueError: no thing of that name, or it is not said which.
+    """
+    names = [thing.name for thing in things]
+    if where is None:
+        where = {}
+    elif not isinstance(where, Mapping):
+        if not names:
+            raise ValueError(f"{world} has no {kind} here; leave out its cell")
+        if len(names) > 1:
+            at = ",".join(map(str, where))
+            raise ValueError(
+                f"{world} has several {kind}s, {', '.join(names)}; say which is at {where}, "
+                f"as {names[0]}={at}"
+            )
+        where = {names[0]: where}
+    for name in where:
+        if name not in names:
+            known = f"name one of {', '.join(names)}" if names else "it has none"
+            raise ValueError(f"{world} has no {kind} {name!r}; {known}")
+    return [where.get(thing.name, thing.cell) for thing in things]
 
 
 def _placed_tool(
-    name: str, kind: str, cell: Cell, slip: float, place: str, reading: Reading
+    kind: str, cell: Cell, slip: float, name: str, reading: Reading, place: str
 ) -> PlacedTool:
-    return PlacedTool(name, kind, cell, slip, tool_named(place), reading)
+    return PlacedTool(kind, cell, slip, name, reading, tool_named(place))

@@ -4,7 +4,7 @@ A tool is asked only when the agent has it in hand (the two are adjacent), and o
 object. That the tool goes with the agent, and that a move into a wall or onto another thing
 leaves everything as it was, is the same for all tools and stands in `rules.py`.
 
-Cells are flat indices (see `rules.Grid`), `step` is the distance in them of one cell's move, so
+Cells are flat indices (see `grid.Grid`), `step` is the distance in them of one cell's move, so
 `agent + step` is the cell next to the agent. All cell arguments are integer arrays of one shape.
 
 The picker and the broom are written against the same point as a tool of one's own, which
@@ -15,17 +15,14 @@ from dataclasses import dataclass, fields
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool, Integer
 
+from habilis.worlds.grid import Cells, Flags
 from habilis.worlds.pictures.shapes import SHAPES, Drawing
-
-Cells = Integer[np.ndarray, "*states"]
-Flags = Bool[np.ndarray, "*states"]
 
 
 @runtime_checkable
 class Tool(Protocol):
-    """What a kind of tool must say of itself: a character, and three rules over arrays of cells.
+    """A kind of tool: a character, and three rules over arrays of cells.
 
     A tool is any object that has these; it need not inherit from this class. It is asked about
     many placements at once, in all of which agent, tool and object are in three distinct cells,

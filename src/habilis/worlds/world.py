@@ -1,18 +1,19 @@
-"""A world: walls, and where the agent, the tool, the object and the goal start."""
+"""A world: walls, and where the agent, the tools, the objects and their goals start."""
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from habilis.files import shown
-from habilis.worlds.characters import FLOOR, WALL
-from habilis.worlds.map_writing import binding, header_of, marks_of
-from habilis.worlds.own_tools import as_tool, is_in_file, is_own, located, tool_named
-from habilis.worlds.parsing import numbered, parsed
-from habilis.worlds.things import CAN, PlacedObject, PlacedTool
-from habilis.worlds.things import Cell as Cell
-from habilis.worlds.tools import OURS, Reading, Tool, name_of
+from habilis.worlds.grid import Cell as Cell
+from habilis.worlds.grid import Grid
+from habilis.worlds.map_text import FLOOR, WALL
+from habilis.worlds.map_writing import Mark, binding, header_of, marks_of
+from habilis.worlds.own_tools import as_tool, is_own, tool_named
+from habilis.worlds.parsing import parsed
+from habilis.worlds.things import PlacedObject, PlacedTool, Vacancy, Where, cells_of, moved, named
+from habilis.worlds.tools import Tool, name_of
 
 NO_TOOL = "none"
 ENVIRONMENT = "gym:"
@@ -27,19 +28,13 @@ class World:
         name: what tables and pictures call it.
         height, width: rows and columns of the map.
         walls: the wall cells.
-        agent, object, goal: start cell of the agent and of the object, and the object's goal.
-        tool: the kind of tool ("picker", "broom", "none", or one's own as "mytools.py:Rake").
-        tool_cell: the cell the tool starts in; stays known when the tool is "none", so that
-            another tool can take its place; `None` if the map never had one.
-        own: a tool of one's own and the name it goes by, `tool`. It is found by that name, unless
-            it is given by `with_tool`; under another name it is dropped.
-        object_kind: the kind of the object ("can", "ball", "crate").
-        tool_slip: the probability that what the tool does to objects fails.
-        reading: of the rules by which the tool moves, and any other that takes its place.
-        more_tools, more_objects: the others of a map with several; `tools` and `objects` are all.
+        agent: start cell of the agent.
+        objects: the objects, those with goals first.
+        tools: the tools, in the order in which the map is read.
         drop: whether there is a ninth action, which puts the tool in hand down.
         held: which of `tools` is in hand at the start, -1 for none; `None`: the first beside the
             agent.
+        vacancy: the place of the tool that `with_tool("none")` took off the map.
     """
 
     name: str
@@ -47,51 +42,43 @@ class World:
     width: int
     walls: frozenset[Cell]
     agent: Cell
-    object: Cell
-    goal: Cell
-    tool: str = NO_TOOL
-    tool_cell: Cell | None = None
-    own: tuple[str, Tool] | None = field(default=None, repr=False, hash=False)
-    object_kind: str = CAN
-    tool_slip: float = 0.0
-    more_tools: tuple[PlacedTool, ...] = ()
-    more_objects: tuple[PlacedObject, ...] = ()
+    objects: tuple[PlacedObject, ...]
+    tools: tuple[PlacedTool, ...] = ()
     drop: bool = False
     held: int | None = None
-    reading: Reading = OURS
+    vacancy: Vacancy | None = None
 
     def __post_init__(self) -> None:
-        """Finds its own tool, refuses things that are not on free cells or are on each other.
+        """Names the things, and refuses those not on free cells or on each other.
 
         Raises:
             ValueError: naming the thing and its cell.
         """
-        if self.own is None or self.own[0] != self.tool:
-            own = (self.tool, tool_named(self.tool)) if is_own(self.tool) else None
-            object.__setattr__(self, "own", own)
-        tool_rule = self.tool_rule
-        if tool_rule is not None and self.tool_cell is None:
-            line = binding(tool_rule.character, self.tool)
-            above = f", and a line {line!r} above the map" if line else ""
-            raise ValueError(
-                f"{self.name}: the map has no tool whose place a {self.tool} could take; "
-                f"put {tool_rule.character!r} on a floor cell{above}"
-            )
-        placed = {"agent": self.agent, self.object_kind: self.object}
-        placed |= {tool.name if self.several else "tool": tool.cell for tool in self.tools}
-        placed |= {thing.name: thing.cell for thing in self.more_objects}
-        goals = {"goal": self.goal} | {
-            f"goal of {thing.name}": thing.goal for thing in self.more_objects if thing.goal
-        }
-        for thing, cell in {**placed, **goals}.items():
-            row, column = cell
-            if not (0 <= row < self.height and 0 <= column < self.width) or cell in self.walls:
+        object.__setattr__(self, "objects", named(self.objects))
+        object.__setattr__(self, "tools", named(self.tools))
+        if not self.objects or self.objects[0].goal is None:
+            first = f"the first object, the {self.objects[0].name}," if self.objects else "it"
+            has = "has no goal; give it one" if self.objects else "has no object; give it one"
+            raise ValueError(f"{self.name}: {first} {has}")
+        first, *others = self.objects
+        tools = [("tool" if self.single else tool.name, tool.cell) for tool in self.tools]
+        placed = [("agent", self.agent), (first.name, first.cell), *tools]
+        placed += [(thing.name, thing.cell) for thing in others]
+        goals = [("goal", first.goal), *((f"goal of {one.name}", one.goal) for one in others)]
+        for thing, cell in [*placed, *goals]:
+            if cell is not None and not self.is_free(cell):
                 raise ValueError(
                     f"{self.name}: the {thing} is at {cell}; put it on a free cell of the "
                     f"{self.height} x {self.width} map"
                 )
-        if len(set(placed.values())) < len(placed):
-            raise ValueError(f"{self.name}: {placed} share a cell; give each its own")
+        if len({cell for _, cell in placed}) < len(placed):
+            raise ValueError(f"{self.name}: {dict(placed)} share a cell; give each its own")
+        for things in (self.tools, self.objects):
+            names = [thing.name for thing in things]
+            if len(set(names)) < len(names):
+                raise ValueError(
+                    f"{self.name}: two of {', '.join(names)} have one name; give each its own"
+                )
 
     @classmethod
     def parse(cls, text: str, name: str = "map", folder: Path | None = None) -> "World":
@@ -125,28 +112,11 @@ class World:
         """
         return cls(**parsed(text, name, folder))
 
-    @classmethod
-    def read_back(cls, text: str, name: str, tool: str) -> "World":
-        """A world from its own `text`, which does not say what "none" took the place of.
-
-        Args:
-            text: what `text` gave.
-            name: what it is called.
-            tool: its `tool`.
-
-        Returns:
-            The same world.
-
-        Raises:
-            ValueError: as in `parse` and `with_tool`.
-        """
-        world = cls.parse(text, name)
-        return world if world.several else world.with_tool(tool)
-
     def with_tool(self, tool: str | Tool | type | PlacedTool) -> "World":
         """The same map with another tool in the place of its own ("none" leaves plain floor).
 
-        What the map says of the rules (`reading`) holds for the other tool, too.
+        Where there are several tools, it takes the place of the first, and the others go. The
+        rules are read for it as for the tool whose place it takes.
 
         Args:
             tool: the name of one (of one's own: "mytools.py:Rake" or "package.module:Rake"), the
@@ -158,28 +128,31 @@ class World:
         Raises:
             ValueError: no such tool, or the map has no cell marked for a tool.
         """
+        first = self.tools[0] if self.tools else self.vacancy
+        if isinstance(tool, str) and tool == NO_TOOL:
+            vacancy = None if first is None else Vacancy(first.cell, first.reading)
+            return replace(self, tools=(), vacancy=vacancy, drop=False, held=None)
         if isinstance(tool, PlacedTool):
-            return replace(
-                self.with_tool(NO_TOOL),
-                tool=tool.kind,
-                own=None if tool.own is None else (tool.kind, tool.own),
-                tool_cell=tool.cell,
-                tool_slip=tool.slip,
-                reading=tool.reading,
-                drop=self.drop,
+            return replace(self, tools=(replace(tool, name=""),), vacancy=None, held=None)
+        if isinstance(tool, str):
+            kind, rule = tool, tool_named(tool)
+            there = next((one for one in self.tools if one.kind == tool), None)
+        else:
+            rule = as_tool(tool)
+            kind, there = name_of(rule), None
+        if first is None:
+            line = binding(rule.character, kind)
+            above = f", and a line {line!r} above the map" if line else ""
+            raise ValueError(
+                f"{self.name}: the map has no tool whose place a {kind} could take; "
+                f"put {rule.character!r} on a floor cell{above}"
             )
-        if not isinstance(tool, str):
-            tool = as_tool(tool)
-            name = name_of(tool)
-            own = (name, tool) if is_own(name) else None
-            return replace(self.with_tool(NO_TOOL), tool=name, own=own, drop=self.drop)
-        there = next((one for one in self.tools if one.kind == tool), None)
-        changed: dict[str, Any] = {"tool": tool, "own": None, "tool_slip": 0.0, "more_tools": ()}
+        own = rule if is_own(kind) else None
         if there is not None:
-            changed |= {"tool_cell": there.cell, "tool_slip": there.slip}
-            changed["reading"] = there.reading
-        changed["held"] = None
-        return replace(self, **changed, drop=self.drop and tool != NO_TOOL)
+            placed = replace(there, name="", own=own)
+        else:
+            placed = PlacedTool(kind, first.cell, reading=first.reading, own=own)
+        return replace(self, tools=(placed,), vacancy=None, held=None)
 
     def with_object(self, name: str) -> "World":
         """The same map with one of its objects alone.
@@ -196,39 +169,82 @@ class World:
         there = {thing.name: thing for thing in self.objects}
         if name not in there:
             raise ValueError(f"{self.name} has no {name!r}; name one of {', '.join(there)}")
-        thing = there[name]
-        return replace(
-            self,
-            object=thing.cell,
-            object_kind=thing.kind,
-            goal=thing.goal or self.goal,
-            more_objects=(),
-        )
+        alone = replace(there[name], goal=there[name].goal or self.goal, name="")
+        return replace(self, objects=(alone,))
+
+    def with_cells(
+        self,
+        *,
+        agent: Cell | None = None,
+        tool: Where | None = None,
+        object: Where | None = None,
+        goal: Cell | None = None,
+        held: int | None = None,
+    ) -> "World":
+        r"""The same map with some of its things in other cells: a state is a world, too.
+
+        Args:
+            agent: its cell; `None` leaves it where it is, or, if something else comes there, puts
+                it on the first cell that is free.
+            tool, object: a cell where there is one of them, or cells by names.
+            goal: the cell of the first object's goal.
+            held: as in the attributes.
+
+        Returns:
+            Another world.
+
+        Raises:
+            ValueError: no such tool or object, it is not said which, or a cell that is not free.
+
+        Example:
+            >>> world = World.parse("R = rake
+        A.PRCG")
+            >>> world.with_cells(agent=(0, 2), tool={"picker": (0, 1)}).rows
+            ('.PARCG',)
+        """
+        objects = moved(self.objects, cells_of(self.name, "object", self.objects, object))
+        tools = moved(self.tools, cells_of(self.name, "tool", self.tools, tool))
+        if goal is not None:
+            objects = (replace(objects[0], goal=goal), *objects[1:])
+        if agent is None:
+            agent, taken = self.agent, {thing.cell for thing in (*tools, *objects)}
+            if agent in taken:
+                agent = next((cell for cell in self.free_cells if cell not in taken), agent)
+        return replace(self, agent=agent, objects=objects, tools=tools, held=held)
 
     @property
-    def several(self) -> bool:
-        """Whether there is more than one tool or object, or tools can be put down."""
-        return bool(self.more_tools or self.more_objects or self.drop)
+    def single(self) -> bool:
+        """Whether there is one object and at most one tool, which cannot be put down.
+
+        Of such a world a table has all placements, and the factors "tool" and "object".
+        """
+        return len(self.objects) == 1 and len(self.tools) <= 1 and not self.drop
 
     @property
-    def tools(self) -> tuple[PlacedTool, ...]:
-        """All tools, in the order in which the map is read."""
-        if self.tool == NO_TOOL or self.tool_cell is None:
-            return self.more_tools
-        kinds = [self.tool, *(tool.kind for tool in self.more_tools)]
-        own = None if self.own is None else self.own[1]
-        name = numbered(kinds)[0]
-        first = PlacedTool(
-            name, self.tool, self.tool_cell, self.tool_slip, own, reading=self.reading
-        )
-        return first, *self.more_tools
+    def tool(self) -> str:
+        """The kind of the tool, or of the first ("picker", "mytools.py:Rake"); "none" if none."""
+        return self.tools[0].kind if self.tools else NO_TOOL
 
     @property
-    def objects(self) -> tuple[PlacedObject, ...]:
-        """All objects, those with goals first."""
-        kinds = [self.object_kind, *(thing.kind for thing in self.more_objects)]
-        first = PlacedObject(numbered(kinds)[0], self.object_kind, self.object, self.goal)
-        return first, *self.more_objects
+    def tool_cell(self) -> Cell | None:
+        """The cell of the tool, or of the first.
+
+        If there is none, the cell of which one was taken; `None` if the map never had one.
+        """
+        first = self.tools[0] if self.tools else self.vacancy
+        return None if first is None else first.cell
+
+    @property
+    def object(self) -> Cell:
+        """The cell of the object, or of the first."""
+        return self.objects[0].cell
+
+    @property
+    def goal(self) -> Cell:
+        """The goal of the object, or of the first."""
+        goal = self.objects[0].goal
+        assert goal is not None, "the first object has one"
+        return goal
 
     @property
     def in_hand(self) -> int:
@@ -240,37 +256,40 @@ class World:
         return next((place for place, is_beside in enumerate(beside) if is_beside), -1)
 
     @property
-    def rules(self) -> tuple[Tool, ...]:
-        """How each of the tools moves objects."""
-        first = () if self.tool_rule is None else (self.tool_rule,)
-        return *first, *(tool.rule for tool in self.more_tools)
-
-    @property
-    def tool_rule(self) -> Tool | None:
-        """How the world's tool moves the object; `None` without a tool."""
-        if self.own is not None:
-            return self.own[1]
-        return None if self.tool == NO_TOOL else tool_named(self.tool)
-
-    def located(self) -> "World":
-        """The same world, its tools' files named so that they are found from any folder."""
-        others = tuple(tool.located() for tool in self.more_tools)
-        if self.own is None:
-            return replace(self, more_tools=others)
-        name = located(self.tool)
-        return replace(self, tool=name, own=(name, self.own[1]), more_tools=others)
+    def may_fail(self) -> bool:
+        """Whether some tool's work may fail."""
+        return any(tool.slip for tool in self.tools)
 
     @property
     def own_tools(self) -> tuple[str, ...]:
         """The kinds of those tools that are one's own."""
         return tuple(tool.kind for tool in self.tools if is_own(tool.kind))
 
-    def __reduce__(self) -> Any:
-        """A file with a tool is run anew elsewhere: its module cannot be imported by name."""
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        if self.own is None or not is_in_file(self.tool):
-            return _world, (values,)
-        return _world, (values | {"own": None}, located(self.tool))
+    def located(self) -> "World":
+        """The same world, its tools' files named so that they are found from any folder."""
+        return replace(self, tools=tuple(tool.located() for tool in self.tools))
+
+    def is_free(self, cell: Cell) -> bool:
+        """Whether a cell is on the map and no wall."""
+        row, column = cell
+        return 0 <= row < self.height and 0 <= column < self.width and cell not in self.walls
+
+    @property
+    def free_cells(self) -> list[Cell]:
+        """The cells that are no walls, row by row."""
+        cells = ((row, column) for row in range(self.height) for column in range(self.width))
+        return [cell for cell in cells if cell not in self.walls]
+
+    @property
+    def agent_cells(self) -> list[Cell]:
+        """The cells in which the agent can be, everything else as on the map, row by row."""
+        taken = {thing.cell for thing in (*self.tools, *self.objects)}
+        return [cell for cell in self.free_cells if cell not in taken]
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The map as a flat array of cells."""
+        return Grid.of(self.height, self.width, self.walls)
 
     def text(self) -> str:
         """The map as text, which `World.parse` reads back.
@@ -278,14 +297,19 @@ class World:
         Raises:
             ValueError: something is on a goal, which a map of one character a cell cannot show.
         """
-        cells = [mark.cell for mark in marks_of(self)]
+        cells = [mark.cell for mark in self.marks]
         hidden = next((cell for cell in cells if cells.count(cell) > 1), None)
         if hidden is not None:
             raise ValueError(
                 f"{self.name}: something else is on the goal at {hidden}, and a map's text has one "
                 "character a cell; put it elsewhere"
             )
-        return "\n".join([*header_of(self), *self.rows]) + "\n"
+        return "\n".join([*self.header, *self.rows]) + "\n"
+
+    @property
+    def header(self) -> list[str]:
+        """The lines above the rows of the map: what its characters stand for."""
+        return header_of(self.marks, self.drop)
 
     @property
     def rows(self) -> tuple[str, ...]:
@@ -293,15 +317,14 @@ class World:
         cells = [[FLOOR] * self.width for _ in range(self.height)]
         for cell in self.walls:
             cells[cell[0]][cell[1]] = WALL
-        for mark in marks_of(self):
+        for mark in self.marks:
             cells[mark.cell[0]][mark.cell[1]] = mark.character
         return tuple("".join(row) for row in cells)
 
-
-def _world(values: dict[str, Any], place: str | None = None) -> World:
-    """A world from its fields, and perhaps where its own tool is to be read."""
-    own: Any = values["own"] if place is None else (values["tool"], tool_named(place))
-    return World(**(values | {"own": own}))
+    @property
+    def marks(self) -> list[Mark]:
+        """The characters of the things and goals, the goals first: what is on them hides them."""
+        return marks_of(self.agent, self.tools, self.objects)
 
 
 def world_names() -> list[str]:

@@ -52,7 +52,7 @@ def test_only_a_blocking_picker_tells_one_step_foe_of_the_tools_apart_in_the_ope
     """What the paper says of Fig. 4a holds, cell by cell, if a picker pushes."""
     room = World.parse(".......\n.......\n..APC..\n.......\n.......\n......G", "room")
     for words, same in (("", False), ("pushes", True)):
-        read = replace(room, reading=Reading.of(f" {words}")[1])
+        read = room.with_tool(replace(room.tools[0], reading=Reading.of(f" {words}")[1]))
         worlds = replace(PAIR, yard=CachedWorld(read))
         assert yard_statements.foe_cannot_tell_the_tools_apart(worlds).holds == same
         values = worlds.yard.landscape(1, "state").values

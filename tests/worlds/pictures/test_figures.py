@@ -69,25 +69,25 @@ def test_rows_go_down_and_columns_to_the_right():
 
 
 def test_moving_the_can_changes_its_two_cells_only():
-    moved = replace(ROOM, object=(1, 1))
+    moved = ROOM.with_cells(object=(1, 1))
     assert cells_that_differ(ROOM, moved) == {(3, 5), (1, 1)}
 
 
 def test_a_can_on_the_goal_is_seen_in_the_bin():
-    delivered = replace(ROOM, object=ROOM.goal)
+    delivered = ROOM.with_cells(object=ROOM.goal)
     assert cells_that_differ(ROOM, delivered) == {(3, 5), ROOM.goal}
 
 
-@pytest.mark.parametrize("thing", ["agent", "tool_cell"])
+@pytest.mark.parametrize("thing", ["agent", "tool"])
 def test_the_goal_can_be_told_under_another_thing(thing: str):
-    on_goal = replace(ROOM, agent=(1, 1), tool_cell=(3, 1)) if thing == "agent" else ROOM
-    on_goal = replace(on_goal, **{thing: ROOM.goal})
-    elsewhere = replace(on_goal, goal=(3, 2))
+    moved = ROOM.with_cells(agent=ROOM.goal, tool=(3, 1))
+    on_goal = moved if thing == "agent" else ROOM.with_cells(tool=ROOM.goal)
+    elsewhere = on_goal.with_cells(goal=(3, 2))
     assert cells_that_differ(on_goal, elsewhere) == {ROOM.goal, (3, 2)}
 
 
 def look_of_tool(tool: str, cell: Cell) -> np.ndarray:
-    world = replace(ROOM, tool=tool, tool_cell=cell)
+    world = ROOM.with_tool(tool).with_cells(tool=cell)
     return pixels_of(frame(world), cell, 32).astype(int)
 
 
@@ -115,7 +115,7 @@ def test_the_pickers_claw_points_away_from_the_agent():
 def test_without_a_tool_none_is_drawn():
     bare = ROOM.with_tool("none")
     assert cells_that_differ(ROOM, bare) == {ROOM.tool_cell}
-    assert cells_that_differ(bare, replace(bare, tool_cell=None)) == set()
+    assert cells_that_differ(bare, replace(bare, vacancy=None)) == set()
 
 
 def test_every_tool_has_a_drawing():
@@ -211,7 +211,7 @@ def test_coloured_text_is_the_map_with_two_characters_a_cell():
 
 
 def test_coloured_text_tells_the_goal_under_the_can():
-    delivered = replace(ROOM, object=ROOM.goal)
+    delivered = ROOM.with_cells(object=ROOM.goal)
     assert colored_text(delivered).plain.startswith("# # # # # CG\n")
 
 

@@ -117,7 +117,7 @@ def test_a_value_a_little_below_zero_is_not_printed_as_minus_zero():
 
 
 def test_labels_can_be_read_on_every_colour_of_the_scale():
-    world = World("strip", 1, 300, frozenset(), agent=(0, 0), object=(0, 297), goal=(0, 298))
+    world = World.parse("A" + "CG.".rjust(299, "."), "strip")
     values = np.linspace(0, 1, 300)[None]
     ax = Figure().add_subplot()
     heat = draw_heat(ax, world, values)
@@ -191,7 +191,7 @@ def test_zoomed_in_no_label_is_printed_outside_the_axes():
 
 def test_the_agent_is_drawn_only_if_asked_for():
     values = values_of(ROOM)
-    elsewhere = replace(ROOM, agent=(1, 1))
+    elsewhere = ROOM.with_cells(agent=(1, 1))
     assert (drawn(ROOM, values) == drawn(elsewhere, values)).all()
     assert (drawn(ROOM, values, agent=True) != drawn(elsewhere, values, agent=True)).any()
 
@@ -199,8 +199,10 @@ def test_the_agent_is_drawn_only_if_asked_for():
 def test_bin_can_and_tool_are_drawn():
     values = values_of(ROOM)
     plain = drawn(ROOM, values)
-    for change in ({"goal": (1, 1)}, {"object": (1, 1)}, {"tool": "broom"}, {"tool": "none"}):
-        assert (plain != drawn(replace(ROOM, **change), values)).any(), change
+    others = [ROOM.with_tool(tool) for tool in ("broom", "none")]
+    others += [ROOM.with_cells(goal=(1, 1)), ROOM.with_cells(object=(1, 1))]
+    for other in others:
+        assert (plain != drawn(other, values)).any(), other
 
 
 @pytest.mark.parametrize("value", [0.0, 2.5, np.nan])

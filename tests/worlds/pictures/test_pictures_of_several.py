@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import habilis as hb
-from habilis.worlds.map_writing import marks_of
 from habilis.worlds.pictures.figures import colored_text, frame, object_drawings, things_of
 from habilis.worlds.pictures.shapes import SHAPES, facing, placed
 from habilis.worlds.pictures.tiles import Tiles
@@ -86,8 +85,8 @@ def test_an_only_objects_bin_needs_no_picture():
 
 
 def test_an_object_is_in_its_own_bin_and_beside_that_of_another():
-    own = replace(ROOM, object=(0, 5))
-    other = replace(ROOM, object=(2, 5))
+    own = ROOM.with_cells(object={"can": (0, 5)})
+    other = ROOM.with_cells(object={"can": (2, 5)})
     empty = things_of(ROOM, None)[2, 5]
     assert things_of(other, None)[2, 5] == SHAPES["can"] + placed(empty, 0.56, 0.54, 0.44)
     assert things_of(own, None)[0, 5] != SHAPES["can"] + placed(empty, 0.56, 0.54, 0.44)
@@ -127,10 +126,10 @@ def frame_of(name: str) -> np.ndarray:
 
 
 def test_coloured_text_tells_every_goal_and_which_tool_is_in_hand():
-    state = replace(ROOM, agent=(1, 2), object=(2, 5), held=1)
+    state = ROOM.with_cells(agent=(1, 2), object={"can": (2, 5)}, held=1)
     lines = colored_text(state).plain.split("\n")
     assert [line[::2] for line in lines] == list(state.rows)
-    hidden = next(mark for mark in marks_of(state) if mark.cell == (2, 5))
+    hidden = next(mark for mark in state.marks if mark.cell == (2, 5))
     assert hidden.role == "G"
     assert lines[2][10:] == f"{state.rows[2][5]}{hidden.character}"
     underlined = {

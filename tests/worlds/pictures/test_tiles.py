@@ -1,6 +1,5 @@
 """A picture laid of tiles is the picture that is drawn, to the pixel."""
 
-from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
@@ -44,9 +43,13 @@ def placements(world: World, count: int) -> list[World]:
             ]
             tool = near[random.integers(len(near))]
         if len({agent, tool, thing}) == 3:
-            place = tool if world.tool != "none" else world.tool_cell
-            found.append(replace(world, agent=agent, tool_cell=place, object=thing))
+            found.append(put(world, agent, tool, thing))
     return found
+
+
+def put(world: World, agent: Cell, tool: Cell, thing: Cell) -> World:
+    """The state with everything in these cells; that of the tool where there is one."""
+    return world.with_cells(agent=agent, tool=tool if world.tools else None, object=thing)
 
 
 def labels(world: World) -> tuple[int, int, int]:
@@ -78,7 +81,7 @@ def test_every_placement_of_a_small_map_is_as_drawn(tool: str, size: int):
     tiles = Tiles.of(small, size)
     cells = free_cells(small)[::2] if size > 7 else free_cells(small)[-6:]
     for agent, place, thing in permutations(cells, 3):
-        state = replace(small, agent=agent, tool_cell=place, object=thing)
+        state = put(small, agent, place, thing)
         np.testing.assert_array_equal(tiles.frame(*labels(state)), frame(state, size))
 
 

@@ -47,7 +47,7 @@ def test_still_things_do_not_flicker_in_a_video(tmp_path: Path):
 
 
 def test_a_video_keeps_the_colours_of_its_frames(tmp_path: Path):
-    states = [*walk(), replace(ROOM, tool="none", object=ROOM.goal)]
+    states = [*walk(), ROOM.with_tool("none").with_cells(object=ROOM.goal)]
     save_gif(states, tmp_path / "walk.gif")
     for state, image in zip(states, frames_of(tmp_path / "walk.gif"), strict=True):
         error = np.abs(np.asarray(image.convert("RGB")).astype(int) - frame(state))

@@ -1,6 +1,6 @@
 """The paper's two worlds, their tables, and what is computed from them."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -11,12 +11,9 @@ from habilis.analysis.landscape import Landscape, landscape
 from habilis.empowerment.api import empowerment
 from habilis.mdp import TabularMDP
 from habilis.studies.paper.published import FIRST_WORLD, SECOND_WORLD
-from habilis.worlds.moving import free_cells
+from habilis.worlds.grid import STEPS
 from habilis.worlds.table import restarted, tabulate
 from habilis.worlds.world import NO_TOOL, Cell, World, load_world
-
-_SIDES = ((-1, 0), (0, 1), (1, 0), (0, -1))
-
 
 OVER = ("equipped", "all", "reachable")
 """The states over which an average may go, as the paper does not say which: all placements with the
@@ -63,11 +60,11 @@ class CachedWorld:
         All four cells around it are free; of several such the topmost, then westernmost.
         """
         world, distance = self.world, self.distance(self.tool_cell)
-        cells = free_cells(world)
-        inner = [c for c in cells if all((c[0] + r, c[1] + k) in cells for r, k in _SIDES)]
+        cells = world.free_cells
+        inner = [c for c in cells if all((c[0] + r, c[1] + k) in cells for r, k in STEPS)]
         taken = world.agent, self.tool_cell
         far = max((c for c in inner or cells if c not in taken), key=lambda cell: distance[cell])
-        return CachedWorld(replace(world, object=far), self.over)
+        return CachedWorld(world.with_cells(object=far), self.over)
 
     def average(self, horizon: int, sensor: str = "object") -> float:
         """Mean empowerment in bits over the states that `over` names."""
@@ -115,7 +112,7 @@ class CachedWorld:
         between itself and the object has two free cells on every side. It is the topmost, then
         easternmost such place, in which the tool is to the west of the agent.
         """
-        near = [(0, 0), *((d * k, e * k) for k in (1, 2) for d, e in _SIDES)]
+        near = [(0, 0), *((d * k, e * k) for k in (1, 2) for d, e in STEPS)]
         for row in range(2, self.world.height - 2):
             for column in reversed(range(2, self.world.width - 2)):
                 if not any((row + r, column + c) in self.world.walls for r, c in near):

@@ -14,7 +14,7 @@ from habilis.studies.paper.targets import TargetMap, load_targets
 from habilis.studies.paper.worlds import OVER, CachedWorld
 from habilis.studies.reconstruction.annealing import Schedule
 from habilis.studies.reconstruction.search import Report, attempts
-from habilis.worlds.characters import COMMENT
+from habilis.worlds.map_text import COMMENT
 from habilis.worlds.tools import Reading
 from habilis.worlds.world import World, load_world, world_names
 

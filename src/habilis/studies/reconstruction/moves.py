@@ -4,13 +4,9 @@ from dataclasses import replace
 from random import Random
 
 from habilis.studies.paper.targets import TargetMap
-from habilis.studies.reconstruction.shapes import (
-    SIDES,
-    neighbours,
-    one_room,
-    walls_alone,
-)
-from habilis.worlds.moving import free_cells
+from habilis.studies.reconstruction.shapes import neighbours, one_room, walls_alone
+from habilis.worlds.grid import STEPS
+from habilis.worlds.things import CAN, PlacedObject, PlacedTool
 from habilis.worlds.world import NO_TOOL, Cell, World
 
 _LONGEST = 7  # run of walls that is drawn at once
@@ -41,10 +37,8 @@ def random_map(targets: TargetMap, random: Random) -> World:
             width=width,
             walls=frozenset(walls),
             agent=agent,
-            object=thing,
-            goal=goal,
-            tool=targets.tool,
-            tool_cell=None if targets.tool == NO_TOOL else tool,
+            objects=(PlacedObject(CAN, thing, goal),),
+            tools=() if targets.tool == NO_TOOL else (PlacedTool(targets.tool, tool),),
         )
         if not walls_alone(world) and one_room(world):
             return world
@@ -72,7 +66,7 @@ def neighbour(world: World, random: Random) -> World:
 def _grow(world: World, random: Random) -> World | None:
     """A wall more, at the side of another where there is one."""
     taken = set(_things(world).values())
-    cells = [cell for cell in free_cells(world) if cell not in taken]
+    cells = [cell for cell in world.free_cells if cell not in taken]
     beside = [cell for cell in cells if world.walls.intersection(neighbours(cell))]
     if not cells:
         return None
@@ -105,14 +99,14 @@ def _slide(world: World, random: Random) -> World | None:
     """A whole straight run of walls, one cell along or aside."""
     if not world.walls:
         return None
-    (row, column), (down, right) = random.choice(sorted(world.walls)), random.choice(SIDES[1:3])
+    (row, column), (down, right) = random.choice(sorted(world.walls)), random.choice(STEPS[1:3])
     run = {(row, column)}
     for sign in (1, -1):
         cell = (row + sign * down, column + sign * right)
         while cell in world.walls:
             run.add(cell)
             cell = (cell[0] + sign * down, cell[1] + sign * right)
-    step = random.choice(SIDES)
+    step = random.choice(STEPS)
     moved = {(r + step[0], c + step[1]) for r, c in run}
     if not all(_inside(world, cell) for cell in moved) or moved & set(_things(world).values()):
         return None
@@ -123,8 +117,8 @@ def _move(world: World, random: Random) -> World | None:
     """One or two things, one cell on or anywhere."""
     things = _things(world)
     names = random.sample(sorted(things), random.choice((1, 1, 2)))
-    step = random.choice(SIDES) if random.random() < 0.6 else None
-    free = free_cells(world)
+    step = random.choice(STEPS) if random.random() < 0.6 else None
+    free = world.free_cells
     for name in names:
         row, column = things[name]
         things[name] = random.choice(free) if step is None else (row + step[0], column + step[1])
@@ -141,9 +135,7 @@ def _swap(world: World, random: Random) -> World | None:
 
 def _things(world: World) -> dict[str, Cell]:
     things = {"agent": world.agent, "object": world.object, "goal": world.goal}
-    if world.tool != NO_TOOL and world.tool_cell is not None:
-        things["tool_cell"] = world.tool_cell
-    return things
+    return things | ({"tool": world.tools[0].cell} if world.tools else {})
 
 
 def _with_things(world: World, things: dict[str, Cell]) -> World | None:
@@ -152,7 +144,12 @@ def _with_things(world: World, things: dict[str, Cell]) -> World | None:
         return None
     if not all(_inside(world, cell) for cell in cells):
         return None
-    return replace(world, **things)
+    return world.with_cells(
+        agent=things["agent"],
+        object=things["object"],
+        goal=things["goal"],
+        tool=things.get("tool"),
+    )
 
 
 def _inside(world: World, cell: Cell) -> bool:

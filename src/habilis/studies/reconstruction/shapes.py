@@ -2,16 +2,14 @@
 
 from collections.abc import Iterable
 
-from habilis.worlds.characters import FLOOR
-from habilis.worlds.moving import free_cells
+from habilis.worlds.grid import STEPS
+from habilis.worlds.map_text import FLOOR
 from habilis.worlds.world import Cell, World
-
-SIDES: tuple[Cell, ...] = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
 def neighbours(cell: Cell) -> list[Cell]:
     """The cells to the north, east, south and west, on the map or not."""
-    return [(cell[0] + row, cell[1] + column) for row, column in SIDES]
+    return [(cell[0] + row, cell[1] + column) for row, column in STEPS]
 
 
 def walls_alone(world: World) -> int:
@@ -21,7 +19,7 @@ def walls_alone(world: World) -> int:
 
 def one_room(world: World) -> bool:
     """Whether every free cell can be walked to from every other."""
-    free = set(free_cells(world))
+    free = set(world.free_cells)
     found, edge = {world.agent}, [world.agent]
     while edge:
         fresh = (free - found).intersection(neighbours(edge.pop()))

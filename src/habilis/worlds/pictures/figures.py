@@ -1,6 +1,6 @@
 """Pictures of a world: on Matplotlib axes, as files, as pixels, as coloured text.
 
-A state is a `World` too, one with other start cells: `replace(world, agent=(1, 2))`.
+A state is a `World` too, one with other start cells: `world.with_cells(agent=(1, 2))`.
 
 In a plot the cell `(row, column)` covers x from `column` to `column + 1` and y from `row` to
 `row + 1`, y pointing down. Everything is an area, so a picture is sharp at any size.
@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 import numpy as np
 from jaxtyping import Float64, UInt8
@@ -23,8 +23,8 @@ from matplotlib.transforms import AffineDeltaTransform
 from rich.text import Text
 
 from habilis.files import suffix_of, write_whole
-from habilis.worlds.characters import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL
-from habilis.worlds.map_writing import marks_of
+from habilis.worlds.grid import STEPS
+from habilis.worlds.map_text import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL
 from habilis.worlds.pictures.shapes import (
     SHAPES,
     Drawing,
@@ -48,7 +48,7 @@ PICTURES = {  # by suffix: what would tell apart two files of one picture, left 
     ".pdf": {"CreationDate": None},
 }
 
-_SIDES: dict[Cell, Side] = {(-1, 0): "north", (0, 1): "east", (1, 0): "south", (0, -1): "west"}
+_SIDES: dict[Cell, Side] = dict(zip(STEPS, get_args(Side), strict=True))
 
 _STYLES = {  # by what a character stands for
     WALL: "#5b6270 on #5b6270",
@@ -160,11 +160,11 @@ def colored_text(world: World) -> Text:
     The letters are those of the map's text; a G beside another letter is the goal under it. Of
     several tools the one in hand is underlined.
     """
-    marks = marks_of(world)
+    marks = world.marks
     under = {mark.cell: mark.character for mark in marks if mark.role == GOAL}
     above = {mark.cell: mark for mark in marks}
     held = world.in_hand
-    in_hand = None if held < 0 or not world.several else world.tools[held].cell
+    in_hand = None if held < 0 or world.single else world.tools[held].cell
     rows = []
     for row in range(world.height):
         looks = []
@@ -251,8 +251,8 @@ def things_of(world: World, agent: Cell | None) -> dict[Cell, Drawing]:
     """What stands in the cells: bins, objects, tools, and the agent if it has a cell here."""
     things = dict(zip((thing.cell for thing in world.objects), object_drawings(world), strict=True))
     held = -1 if agent is None else world.in_hand
-    for index, (tool, rule) in enumerate(zip(world.tools, world.rules, strict=True)):
-        things[tool.cell] = _tool(rule, tool.cell, agent if index == held else None)
+    for index, tool in enumerate(world.tools):
+        things[tool.cell] = _tool(tool.rule, tool.cell, agent if index == held else None)
     if agent is not None:
         things[agent] = SHAPES["agent"]
     for goal, its in bins(world).items():
@@ -297,7 +297,7 @@ class Bin:
 def bins(world: World) -> dict[Cell, Bin]:
     """The bins of a world by their cells."""
     drawings = zip(world.objects, object_drawings(world), strict=True)
-    labelled = bool(world.more_objects)
+    labelled = len(world.objects) > 1
     return {thing.goal: Bin(own, labelled) for thing, own in drawings if thing.goal is not None}
 
 

@@ -57,12 +57,10 @@ class Tiles:
             (8, 32, 3)
         """
         sizes = (world.height, cell, world.width, cell, 3)
-        cells = np.ndindex(world.height, world.width)
-        free = [(row, column) for row, column in cells if (row, column) not in world.walls]
         goals = bins(world)
 
         def look(drawing: Drawing) -> Look:
-            things = dict.fromkeys(free, drawing)
+            things = dict.fromkeys(world.free_cells, drawing)
             things |= {goal: its.with_thing(drawing) for goal, its in goals.items()}
             pixels = rendered(world, things, cell).reshape(sizes)
             return pixels.swapaxes(1, 2).reshape(-1, cell, cell, 3)
@@ -72,7 +70,7 @@ class Tiles:
             empty=rendered(world, empty, cell).reshape(sizes),
             agent=look(SHAPES["agent"]),
             objects=tuple(map(look, object_drawings(world))),
-            tools=tuple(np.stack(list(map(look, tool_looks(rule)))) for rule in world.rules),
+            tools=tuple(np.stack(list(map(look, tool_looks(tool.rule)))) for tool in world.tools),
         )
 
     @property

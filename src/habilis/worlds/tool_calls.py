@@ -1,32 +1,28 @@
 """Calls of a tool's methods, with validation of their results.
 
-Whoever wrote the tool, it is asked only about placements with the tool in hand, is shown arrays
-that it cannot write to by mistake, and an answer that the map has no place for is an error with
-a name: it never becomes a cell somewhere else.
+Whoever wrote the tool, it is called only for placements with the tool in hand, gets arrays that it
+cannot write to by mistake, and a result that the map has no place for is an error with a name: it
+never becomes a cell somewhere else.
 """
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from habilis.probabilities import as_array
+from habilis.worlds.grid import BORDER, MOVES, Cells, Flags, Grid
 from habilis.worlds.own_tools import failure
-from habilis.worlds.tools import Cells, Flags, Tool, name_of
-
-if TYPE_CHECKING:
-    from habilis.worlds.rules import Grid
+from habilis.worlds.tools import Tool, name_of
 
 Method = Literal["attached", "carry", "swing"]
 Placements = tuple[Cells, Cells, Cells]
 """The cells of agent, tool and object."""
 
-NEAR = 2  # cells; see `rules.BORDER`
 _WRITE = "leave the arguments as they are and return new arrays, as np.where makes them"
-_DIRECTIONS = ("north", "east", "south", "west")
 
 
-def answers(
-    grid: "Grid",
+def call_in_hand(
+    grid: Grid,
     rule: Tool,
     method: Method,
     placements: Placements,
@@ -40,58 +36,58 @@ def answers(
     Args:
         grid: the map.
         rule: the tool.
-        method: what to ask.
+        method: the method's name.
         placements: the cells of agent, tool and object.
         step: of the move or swing; none for "attached".
         where: in which the tool is in hand.
-        elsewhere: what to return for all others, an array of the shape of the cells.
+        elsewhere: the result for all others, an array of the shape of the cells.
         seen: for a tool that sees, the first cell ahead of it where something is.
 
     Raises:
-        ValueError: it fails, or its answer is of another shape or kind, or no place on the map.
+        ValueError: it fails, or its result is of another shape or kind, or no place on the map.
     """
     if where.all():
-        return ask(grid, rule, method, placements, *step, seen=seen)
-    told = elsewhere.copy()
+        return call(grid, rule, method, placements, *step, seen=seen)
+    result = elsewhere.copy()
     if where.any():
         agent, tool, thing = (cells[where] for cells in placements)
         seen = None if seen is None else seen[where]
-        told[where] = ask(grid, rule, method, (agent, tool, thing), *step, seen=seen)
-    return told
+        result[where] = call(grid, rule, method, (agent, tool, thing), *step, seen=seen)
+    return result
 
 
-def ask(
-    grid: "Grid",
+def call(
+    grid: Grid,
     rule: Tool,
     method: Method,
     placements: Placements,
     *step: int,
     seen: Cells | None = None,
 ) -> Any:
-    """A tool's results for placements in all of which it is in hand; see `answers`."""
+    """A tool's results for placements in all of which it is in hand; see `call_in_hand`."""
     more = {} if seen is None else {"seen": _unwritable(seen)}
     try:
-        said = getattr(rule, method)(*map(_unwritable, placements), *step, **more)
-        told = as_array("the answer", said)
+        returned = getattr(rule, method)(*map(_unwritable, placements), *step, **more)
+        result = as_array("the answer", returned)
     except (Exception, SystemExit) as error:
         mend = _WRITE if "read-only" in str(error) else "mend it"
         raise refusal(rule, method, f"fails with {failure(error)}", mend) from error
     thing = placements[2]
     wanted, kind = ("bool", "b") if method == "attached" else ("integer cells", "iu")
-    if told.shape != thing.shape or told.dtype.kind not in kind:
+    if result.shape != thing.shape or result.dtype.kind not in kind:
         raise refusal(
             rule,
             method,
-            f"returns {told.dtype} of shape {told.shape} for cells of shape {thing.shape}",
+            f"returns {result.dtype} of shape {result.shape} for cells of shape {thing.shape}",
             f"return {wanted} of that shape",
         )
     if method == "attached":
-        return told
-    told = told.astype(thing.dtype, copy=False)
-    moved = told != thing
+        return result
+    result = result.astype(thing.dtype, copy=False)
+    moved = result != thing
     if moved.any():
-        _check_near(grid, rule, method, placements, step[0], told, moved)
-    return told
+        _check_near(grid, rule, method, placements, step[0], result, moved)
+    return result
 
 
 def refusal(
@@ -106,39 +102,39 @@ def refusal(
     return ValueError(f"tool {name_of(rule)!r}: {method} {problem}{where}; {mend}")
 
 
-def described(grid: "Grid", placements: Placements, index: int, *step: int) -> str:
-    """One of some placements in words, and what is done in it."""
+def in_words(grid: Grid, placements: Placements, index: int, *step: int) -> str:
+    """One of some placements in words, and the direction of the step."""
     agent, tool, thing = (grid.cell(cells[index]) for cells in placements)
-    told = f"agent {agent}, tool {tool}, object {thing}"
-    return f"{told}, {_DIRECTIONS[grid.steps.index(step[0])]}" if step else told
+    words = f"agent {agent}, tool {tool}, object {thing}"
+    return f"{words}, {MOVES[grid.steps.index(step[0])]}" if step else words
 
 
 def _check_near(
-    grid: "Grid",
+    grid: Grid,
     rule: Tool,
     method: Method,
     placements: Placements,
     step: int,
-    told: Cells,
+    result: Cells,
     moved: Flags,
 ) -> None:
     """Refuses an object that lands where the map's border may not reach."""
-    target = told[moved]
+    target = result[moved]
     near = np.zeros(target.shape, bool)
     for cells in placements:
         away = target - cells[moved]
         # Within the border rows do not run into each other: this is the distance in both.
-        corner = NEAR * grid.stride + NEAR
+        corner = BORDER * grid.stride + BORDER
         columns = (away + corner) % grid.stride
-        near |= (columns <= 2 * NEAR) & (away >= -corner) & (away <= corner)
+        near |= (columns <= 2 * BORDER) & (away >= -corner) & (away <= corner)
     if not near.all():
         index = int(np.flatnonzero(moved)[np.argmin(near)])
         raise refusal(
             rule,
             method,
-            f"puts the object at {grid.cell(told[index])}",
-            f"let it land within {NEAR} rows and columns of the agent, the tool or where it was",
-            described(grid, placements, index, step),
+            f"puts the object at {grid.cell(result[index])}",
+            f"let it land within {BORDER} rows and columns of the agent, the tool or where it was",
+            in_words(grid, placements, index, step),
         )
 
 
