@@ -65,6 +65,8 @@ def to_dataframe(
         if name in columns:
             raise ValueError(f"the column {name!r} is there already; name the values otherwise")
         columns[name] = column
+    import polars as pl
+
     return pl.DataFrame(columns)
 
 
@@ -80,12 +82,14 @@ def save_table(table: "pl.DataFrame", path: str | Path) -> None:
         ValueError: another suffix, no or several columns of floating point numbers for .npy, or
             the file cannot be written.
     """
+    from polars.exceptions import PolarsError
+
     write = TABLES[suffix_of(path, TABLES)]
 
     def fill(file: BytesIO) -> None:
         try:
             write(table, file)
-        except (ValueError, pl.exceptions.PolarsError) as error:
+        except (ValueError, PolarsError) as error:
             raise ValueError(f"{path}: {str(error).splitlines()[0]}") from error
 
     save_whole(path, fill)
@@ -100,6 +104,8 @@ def _npz(table: "pl.DataFrame", file: BytesIO) -> None:
 
 def _array(column: "pl.Series") -> np.ndarray:
     """A column; words as NumPy's own, which need no pickle."""
+    import polars as pl
+
     words = column.dtype == pl.String and not column.has_nulls()
     return np.array(column.to_list(), str) if words else column.to_numpy()
 
