@@ -370,7 +370,7 @@ def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
     expect(marks).to_have_count(len(found.observations))
     caption = page.locator("#caption")
     expect(caption).to_contain_text(f"{found.empowerment:.2f} bits")
-    expect(caption).to_contain_text(f"{len(found.observations)} cells")
+    expect(caption).to_contain_text(f"{len(found.observations)} reachable cells")
     keep_picture(page, "design-futures")
     page.mouse.move(5, 5)
     expect(marks).to_have_count(0)

@@ -39,7 +39,7 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
       row.dataset.fresh = String(compared.includes(name));
     }
     const estimated = Object.values(within).some((about) => about > 0);
-    waiting.textContent = `Bits over the ${object}, mean of ${estimated ? "sampled" : "all"} placements${tool === null ? ", each tool alone" : ""}.`;
+    waiting.textContent = `Mean bits over the ${object}${estimated ? ", sampled" : ""}${tool === null ? ", each tool alone" : ""}.`;
     const message = error ? [] : why !== null ? [why] : tool === null ? [] : sentence(tool, object, averages, verdicts[tool]);
     verdict.replaceChildren(...message);
     const of = why !== null || error !== null || tool === null || tool === NO_TOOL ? [] : [tool, NO_TOOL];

@@ -19,8 +19,8 @@ const HOVER_WAIT = 40;
 const HINT = "Point at a cell to see which futures are reachable from it.";
 
 const COUNTED: Record<Sensor, (count: number, name: string) => string> = {
-  object: (n, name) => `the agent can bring the ${name} to ${n} ${n === 1 ? "cell" : "cells"}`,
-  tool: (n, name) => `the agent can bring the ${name} to ${n} ${n === 1 ? "cell" : "cells"}`,
+  object: (n, name) => `${n} reachable ${n === 1 ? "cell" : "cells"} for the ${name}`,
+  tool: (n, name) => `${n} reachable ${n === 1 ? "cell" : "cells"} for the ${name}`,
   agent: (n) => `the agent can reach ${n} ${n === 1 ? "cell" : "cells"}`,
   state: (n, name) => `${n} reachable ${n === 1 ? "state" : "states"}; marked: the cells of the ${name}`,
   cells: (n, name) => `${n} ${n === 1 ? "observation" : "different observations"} of the ${name}`,
