@@ -1,4 +1,4 @@
-"""Whatever is given as an array is read as what it says, or refused."""
+"""Array arguments are read as given, or refused."""
 
 import json
 from collections.abc import Callable
@@ -182,7 +182,7 @@ def test_what_cannot_become_an_array_is_refused_in_one_line(error: type[Exceptio
         def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
             raise error("it is on another device")
 
-    with pytest.raises(ValueError, match=r"sensor is no array \(it is on another device\)"):
+    with pytest.raises(ValueError, match=r"sensor is not an array \(it is on another device\)"):
         hb.empowerment(RING, 1, Tensor())
 
 

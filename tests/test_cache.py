@@ -1,4 +1,4 @@
-"""What was computed once is kept, whole or not at all."""
+"""Cached results are kept whole or not at all."""
 
 import threading
 
@@ -63,7 +63,7 @@ def test_nothing_half_written_is_left_and_many_may_write_at_once(tmp_path):
     assert np.array_equal(kept("name", forbidden, tmp_path)["x"], VALUES)
 
 
-def test_fingerprints_tell_contents_apart():
+def test_fingerprints_distinguish_contents():
     contents = [
         np.arange(4),
         np.arange(4.0),

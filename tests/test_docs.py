@@ -233,7 +233,7 @@ def complaints(thing):
     return [fault.removeprefix("a.thing") for fault in reference.faults({"a.thing": thing}, [])][1:]
 
 
-def test_a_docstring_tells_arguments_results_and_errors():
+def test_a_docstring_describes_arguments_results_and_errors():
     def silent(x: int) -> int:
         if x < 0:
             raise ValueError("negative")

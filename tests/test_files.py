@@ -243,7 +243,7 @@ WRITES_FILES = [verb for verb in VERBS if verb not in WRITES_FOLDERS]
 
 
 def refused(verb: str, out: Path, capsys: pytest.CaptureFixture, monkeypatch) -> str:
-    """What a verb says of a place before it does anything at all."""
+    """A verb's error about a path before it does anything else."""
     name = VERBS[verb][0]
 
     def never(args):

@@ -301,9 +301,12 @@ class ManyActions(Counter):
         (ManyActions(), "the actions are MultiDiscrete([2 2]); only Discrete(n)"),
         (
             np.eye(3),
-            "array([[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]]) is no Gymnasium environment",
+            "array([[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]]) is not a Gymnasium environment",
         ),
-        ("FrozenLake-v1", "'FrozenLake-v1' is no Gymnasium environment; give what gymnasium.make"),
+        (
+            "FrozenLake-v1",
+            "'FrozenLake-v1' is not a Gymnasium environment; give what gymnasium.make",
+        ),
     ],
 )
 def test_what_cannot_be_tabulated_is_refused_with_the_fix(env: Any, message: str):

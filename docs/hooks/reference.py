@@ -48,7 +48,7 @@ def on_pre_build(config: MkDocsConfig, **_: Any) -> None:
 
 
 def public_names() -> dict[str, Any]:
-    """What users may import, by name: everything that the public packages list."""
+    """The public names: everything that the public packages list."""
     return {
         f"{package}.{name}": getattr(sys.modules[package], name)
         for package in map(_imported, PACKAGES)
@@ -72,7 +72,7 @@ def _listed(package: ModuleType) -> list[str]:
 
 
 def faults(names: Mapping[str, Any], pages: Iterable[str]) -> Iterator[str]:
-    """What is wrong, a line each.
+    """The faults, one line each.
 
     Args:
         names: the public names, and what they name.

@@ -140,7 +140,7 @@ def shares(verdicts: pl.DataFrame, by: Sequence[str] = ()) -> pl.DataFrame:
 
     Args:
         verdicts: of `multiverse` or `on_maps`.
-        by: columns to tell apart besides the claim.
+        by: columns to distinguish besides the claim.
 
     Returns:
         A row for each claim (and value of `by`): "settings", and the shares "holds", "undecided"

@@ -62,7 +62,7 @@ def shares_figure(parts: Mapping[str, pl.DataFrame]) -> Figure:
 def choices_figure(verdicts: pl.DataFrame, changed: pl.DataFrame, measure: str) -> Figure:
     """The probability that the supposedly faster agent finishes first, for every setting.
 
-    A dot: the order is not chance (p < 0.05). A cross: with this horizon and beta the best policy
+    A dot: the order is significant (p < 0.05). A cross: with this horizon and beta the best policy
     for the regularised reward is no shortest plan, so that an agent that learns it cannot converge.
 
     Args:

@@ -93,6 +93,6 @@ def _read(path: Path) -> Arrays:
     content = path.read_bytes()
     size = _DIGEST().digest_size
     if _DIGEST(memoryview(content)[:-size]).digest() != content[-size:]:
-        raise ValueError("its checksum is another")
+        raise ValueError("its checksum does not match")
     with np.load(io.BytesIO(content), allow_pickle=False) as saved:
         return {name: saved[name] for name in saved.files}

@@ -103,8 +103,8 @@ def _check_type(name: str, value: Any, wanted: type) -> None:
         if abs(value) > _LARGEST:
             size = f"{value:.3g}" if isinstance(value, float) else "too large"
             raise ValueError(
-                f"{name} is {size}; give one from {-_LARGEST:g} to {_LARGEST:g}, for learning "
-                "is in float32"
+                f"{name} is {size}; give one from {-_LARGEST:g} to {_LARGEST:g}, since "
+                "learning uses float32"
             )
     if wanted is str and not isinstance(value, str):
-        raise ValueError(f"{name} is {value!r:.60}; give a text")
+        raise ValueError(f"{name} is {value!r:.60}; give a string")

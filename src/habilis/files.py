@@ -127,7 +127,7 @@ def is_partial(name: str, of: str) -> bool:
 
 
 def remove_partial(folder: Path) -> None:
-    """Removes what killed processes left half written in a folder that nobody else writes in."""
+    """Removes the partial files of killed processes from a folder without other writers."""
     for path in folder.rglob(f".*{_PARTIAL}"):
         path.unlink(missing_ok=True)
 
@@ -202,7 +202,7 @@ def check_unused(folder: str | Path, but: Collection[str] = ()) -> None:
     if any(name not in but and not any(is_partial(name, of) for of in but) for name in names):
         raise ValueError(
             f"{folder}: exists already; name a new folder, or remove it "
-            "(train, sweep and study go on in theirs with --resume)"
+            "(train, sweep and study continue theirs with --resume)"
         )
 
 
@@ -241,7 +241,7 @@ def _target(path: str | Path) -> Path:
 
 
 def _status(path: Path) -> os.stat_result | None:
-    """What is at a path, if anything is."""
+    """The status of a path, if it exists."""
     try:
         return path.stat()
     except (FileNotFoundError, NotADirectoryError):

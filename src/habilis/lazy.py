@@ -26,7 +26,7 @@ class Public(NamedTuple):
 
 
 def public(package: str, extras: Mapping[str, str] = _NONE) -> Public:
-    """What a package exports.
+    """The exports of a package.
 
     Args:
         package: its `__name__`. Each `from module import name as name` of its stub is a public

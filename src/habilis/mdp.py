@@ -43,7 +43,7 @@ class Origin(Protocol):
         ...
 
     def observation(self, state: int | np.integer) -> Any:
-        """What it shows in a state."""
+        """Its observation of a state."""
         ...
 
 
@@ -267,7 +267,7 @@ class TabularMDP:
         return self._environment(state).restore(int(state))
 
     def observation(self, state: int | np.integer) -> Any:
-        """What the environment of `from_gymnasium` shows in a state, through its wrappers.
+        """The observation of a state by the environment of `from_gymnasium`, with its wrappers.
 
         Args:
             state: its index.
@@ -467,7 +467,7 @@ class TabularMDP:
             ValueError: the MDP has no cells, or this is none.
         """
         if self.shape is None:
-            raise ValueError("this MDP has no cells; only a world's table has")
+            raise ValueError("this MDP has no cells; only the table of a world has them")
         try:
             row, column = (operator.index(part) for part in cell)
         except (TypeError, ValueError):

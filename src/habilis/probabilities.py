@@ -35,7 +35,7 @@ def as_array(name: str, values: Any, otherwise: str = "") -> np.ndarray:
     except ValueError:
         raise ValueError(f"{name} is ragged; give rows of one length") from None
     except (TypeError, RuntimeError) as error:  # of tensors on a device, or with a gradient
-        raise ValueError(f"{name} is no array ({error}); give a NumPy array of it") from None
+        raise ValueError(f"{name} is not an array ({error}); give a NumPy array of it") from None
     if array.dtype.kind == "m":  # which NumPy takes for integers
         raise ValueError(f"{name} has type {array.dtype}; give numbers, as .astype(int) has them")
     return array

@@ -75,9 +75,9 @@ def test_values_that_do_not_fit_are_refused():
     mdp = hb.TabularMDP.deterministic([[0], [1], [1]])
     with pytest.raises(ValueError, match=r"foe has shape \(2,\); give one value .* 3 states"):
         hb.to_dataframe(mdp, foe=[1.0, 2.0])
-    with pytest.raises(ValueError, match="'bits' is there already"):
+    with pytest.raises(ValueError, match="'bits' exists already"):
         hb.to_dataframe(mdp, np.zeros(3), bits=np.zeros(3))
-    with pytest.raises(ValueError, match="'state' is there already"):
+    with pytest.raises(ValueError, match="'state' exists already"):
         hb.to_dataframe(mdp, state=np.zeros(3))
     with pytest.raises(ValueError, match="indices from 0 to 2"):
         hb.to_dataframe(mdp, states=[3])

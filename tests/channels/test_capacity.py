@@ -246,7 +246,7 @@ def test_a_gap_above_the_tolerance_is_named_in_a_warning():
     assert 0 < found.gap < 1e-9
 
 
-def test_a_solver_that_gets_nowhere_is_told_by_its_certificate(monkeypatch: pytest.MonkeyPatch):
+def test_the_certificate_exposes_a_solver_that_gets_nowhere(monkeypatch: pytest.MonkeyPatch):
     from habilis.channels import capacity_solver as optimum
 
     monkeypatch.setattr(optimum, "_newton", lambda part, entropy, inputs, tolerance: inputs * 0 + 1)
@@ -258,7 +258,7 @@ def test_a_solver_that_gets_nowhere_is_told_by_its_certificate(monkeypatch: pyte
     assert found.bits <= blahut_arimoto(P) + 1e-7
 
 
-def test_inputs_merged_by_mistake_are_told_by_the_certificate(monkeypatch: pytest.MonkeyPatch):
+def test_the_certificate_exposes_inputs_merged_by_mistake(monkeypatch: pytest.MonkeyPatch):
     def all_alike(matrix, add=False):
         return matrix[[0]], np.zeros(matrix.shape[0], np.int64), np.array([0])
 

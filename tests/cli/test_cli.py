@@ -268,7 +268,7 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         (["train", "yard", "--intrinsic", "smell", "--beta", "1", "--out", "run"], "smell"),
         (["train", "yard", "--intrinsic", "object", "--out", "run"], "give both what is added"),
         (["train", "yard", "--seed", "9" * 25, "--out", "run"], "give one below"),
-        (["train", "yard", "--hidden", "a", "--out", "run"], "no list of widths"),
+        (["train", "yard", "--hidden", "a", "--out", "run"], "not a list of widths"),
         (["train", "yard", "--runs", "1", "--out", "x" * 300], "the name is too long"),
         (["reproduce", "--out", "x" * 300], "the name is too long"),
         (["worlds", "--tool", "broom"], "no world to draw"),

@@ -191,7 +191,7 @@ def test_sets_that_alternate_are_those_of_an_even_or_an_odd_horizon():
     even, odd = hb.empowerment(ring, 10**9), hb.empowerment(ring, 10**9 - 1)
     assert (even == np.log2(3000)).all()
     assert np.array_equal(even, odd)
-    side = np.arange(6000) % 2 * np.arange(6000)  # only odd states can be told apart
+    side = np.arange(6000) % 2 * np.arange(6000)  # only odd states are distinguished
     assert hb.empowerment(ring, 10**9, side, states=[0, 1]).tolist() == [0, np.log2(3000)]
     assert hb.empowerment(ring, 10**9 - 1, side, states=[0, 1]).tolist() == [np.log2(3000), 0]
 

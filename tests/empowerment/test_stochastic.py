@@ -356,7 +356,7 @@ def test_what_else_runs_makes_no_estimate_larger(monkeypatch: pytest.MonkeyPatch
     ],
 )
 @pytest.mark.ill_typed
-def test_bad_input_is_refused_with_the_mend(arguments: Any, message: str):
+def test_bad_input_is_refused_with_the_fix(arguments: Any, message: str):
     P = np.full((3, 2, 3), 1 / 3)
     with pytest.raises(ValueError, match=re.escape(message)):
         hb.empowerment(TabularMDP.stochastic(P), **({"horizon": 1} | arguments))

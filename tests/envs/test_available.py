@@ -60,7 +60,7 @@ def test_a_mask_is_the_callers_own():
     assert env.reset()[1]["action_mask"].any()
 
 
-def test_where_all_actions_are_available_nothing_is_said_of_them():
+def test_where_all_actions_are_available_there_is_no_mask():
     assert "action_mask" not in TableEnv(FULL).reset()[1]
     assert "action_mask" not in TableVectorEnv(FULL, 2).reset()[1]
     assert FunctionalEnv(FULL).default_params.available is None

@@ -187,7 +187,7 @@ def test_a_thousand_environments_step_at_once():
         assert alone.index == after.index[i]
 
 
-def test_other_params_compile_nothing_anew():
+def test_other_params_do_not_recompile():
     traced = []
     env = FunctionalEnv(SMALL).with_empowerment(2, "object", beta=0.1)
 
@@ -362,7 +362,7 @@ def test_the_bonus_is_the_trainers_and_the_wrappers(earned, terminal_bonus):
     assert bool(terminated.any())
 
 
-def test_info_tells_reward_and_bits_apart_and_the_weight_may_change():
+def test_info_separates_reward_and_bits_and_the_weight_may_change():
     env = FunctionalEnv(SMALL).with_empowerment(2, "object", beta=0.5)
     bits = hb.empowerment(hb.tabulate(hb.World.parse(SMALL)), 2, "object")
     params = env.default_params

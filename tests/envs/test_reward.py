@@ -435,7 +435,7 @@ def different(kind: str) -> list[gymnasium.Env]:
 @pytest.mark.parametrize("kind", ["worlds", "slips", "lakes"])
 def test_different_tables_in_one_vector_are_refused(kind):
     envs = SyncVectorEnv([lambda env=env: env for env in different(kind)])
-    with pytest.raises(ValueError, match="environment 1 is another than environment 0; wrap each"):
+    with pytest.raises(ValueError, match="environment 1 differs from environment 0; wrap each"):
         EmpowermentReward(envs, 2, "agent", 0.5)
 
 

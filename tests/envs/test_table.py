@@ -38,7 +38,7 @@ def test_steps_are_those_of_the_table(mdp):
             state = mdp.start
 
 
-def test_observations_tell_states_apart(mdp):
+def test_observations_distinguish_states(mdp):
     assert len(np.unique(ranks(mdp).show(np.arange(mdp.states)), axis=0)) == mdp.states
 
 

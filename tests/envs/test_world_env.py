@@ -23,7 +23,7 @@ SMALL = "#####\n#AP.#\n#..C#\n#..G#\n#####\n"
 
 
 def episode(env, seed, steps=60):
-    """What a random walk sees, all of it."""
+    """All observations of a random walk."""
     actions = np.random.default_rng(1).integers(env.action_space.n, size=steps)
     seen = [env.reset(seed=seed)]
     for action in actions:
@@ -72,7 +72,7 @@ def test_another_seed_slips_elsewhere():
     assert not same(one, other)
 
 
-def test_without_slip_chance_has_no_part():
+def test_without_slip_nothing_is_random():
     one, other = (episode(gymnasium.make("habilis/Yard-v0"), seed=seed) for seed in (1, 2))
     assert same(one, other)
 

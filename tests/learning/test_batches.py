@@ -182,14 +182,14 @@ def test_a_job_that_is_stopped_ends_unconverged_and_changes_no_other(room):
     assert min(made) == 0
     assert len(made) == 2  # a stretch, or none
     ends = [progress for progress in told if progress.config == 0]
-    assert [progress.ended for progress in ends] == [23]  # told once, and not of what came later
+    assert [progress.ended for progress in ends] == [23]  # reported once, and nothing later
     assert_same(jobs[1].result(), train(good))
     stopped = jobs[0].result()
     assert len(jax.tree.leaves(stopped.parameters)[0]) == 23
     assert stopped.converged_at == (None,) * 23
 
 
-def test_a_job_that_nobody_stops_trains_to_its_end(room):
+def test_a_job_that_is_not_stopped_trains_to_its_end(room):
     job = Job.of(0, room)
     train_jobs([job], stop_job=lambda job: False)
     assert_same(job.result(), train(room))

@@ -103,7 +103,7 @@ def test_young_runs_are_drawn_from_where_all_have_an_episode():
     np.testing.assert_allclose(curve.middle, [0, 0.5, 1, 1.5, 2])
 
 
-def test_labels_tell_what_differs_and_no_more():
+def test_labels_name_what_differs_and_no_more():
     plain = Config()
     toe = plain.changed(intrinsic="object", horizon=6, beta=0.07)
     foe = toe.changed(intrinsic="state", horizon=5)

@@ -113,7 +113,7 @@ def test_two_updates_are_those_of_the_reference(name):
 
 
 def check_changes(update, before: Parameters, after: Parameters) -> None:
-    """What an update adds to each array, against the reference's."""
+    """The change of each array in an update, compared with the reference's."""
     ours = [
         parameters_of(lane.train_state.parameters).arrays()
         for lane in (update.before, update.after)

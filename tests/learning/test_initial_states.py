@@ -175,7 +175,7 @@ def test_configurations_with_other_starts_train_side_by_side_as_alone():
 
 
 @pytest.mark.parametrize("algorithm", ["ppo", "q-learning", "soft-value-iteration"])
-def test_every_algorithm_begins_where_it_is_told(algorithm):
+def test_every_algorithm_starts_from_the_given_states(algorithm):
     config = LEARN.changed(runs=1, episodes=100, steps=20_000, starts=3, unseen=1)
     run = train(config.changed(algorithm=algorithm))
     assert run.episodes.height > 0

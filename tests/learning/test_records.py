@@ -81,7 +81,7 @@ def test_what_a_stretch_will_add_is_worked_out_without_a_change():
     assert (mine.steps, mine.count) == (before[0] + 5, before[1] + 5)
 
 
-def test_a_run_that_is_given_up_keeps_its_episodes_and_has_not_converged():
+def test_a_run_over_budget_keeps_its_episodes_and_has_not_converged():
     mine = record(episodes=100)
     add(mine, np.array([3, 4]))
     mine.stop()

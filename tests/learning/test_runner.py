@@ -102,7 +102,7 @@ def test_the_intrinsic_value_is_the_empowerment():
         assert not value_table(mdp, changed).any()
 
 
-def test_progress_is_told_until_the_end(room):
+def test_progress_is_reported_until_the_end(room):
     told: list[Progress] = []
     train(room.changed(episodes=200, runs=6), told.append)
     assert told[-1].ended == told[-1].runs == 6
@@ -136,7 +136,7 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         ("runs", "3", "give a whole number"),
         ("entropy", float("inf"), "give a finite number"),
         ("seed", 2**32, "give one below 4294967296"),
-        ("world", 3, "give a text"),
+        ("world", 3, "give a string"),
         ("beta", 0.1, "give both what is added and its weight"),
         ("intrinsic", "object", "give both what is added and its weight"),
         ("hidden", (), "at least one width"),

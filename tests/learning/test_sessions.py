@@ -69,7 +69,7 @@ def content(folder: Path) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def whole(room, tmp_path_factory):
-    """What comes of the run when nothing happens to it."""
+    """The result of an undisturbed run."""
     folder = tmp_path_factory.mktemp("runs") / "whole"
     assert start(room, folder).wait() == 0, said_by(folder)
     return content(folder)
@@ -96,7 +96,7 @@ def test_a_signal_saves_and_says_how_to_go_on(room, tmp_path, whole, number, cap
     process.send_signal(number)
     assert process.wait() == 128 + number
     (line,) = said_by(folder).splitlines()
-    begun, command = line.split("; go on with: habilis ")
+    begun, command = line.split("; continue with: habilis ")
     assert begun == f"habilis: stopped; all is kept in {folder}"
     with np.load(checkpoints.checkpoints(folder)[0]) as saved:
         trained = len(saved["1/episodes"])
@@ -143,7 +143,7 @@ def test_a_damaged_checkpoint_is_named_and_the_one_before_used(
     assert train_again(room, interrupted) == 0
     (line,) = capsys.readouterr().err.splitlines()
     assert f"{latest}: is damaged" in line
-    assert line.endswith(f"going on from the one before, {before}")
+    assert line.endswith(f"continuing from the previous one, {before}")
     assert content(interrupted) == whole
 
 
@@ -157,7 +157,7 @@ def test_any_flipped_bit_is_damage(room, interrupted):
         changed[place] ^= 1 << int(random.integers(8))
         latest.write_bytes(changed)
         found = checkpoints.restore(Job.of(0, config_of(room)), interrupted)
-        assert found == (before, {latest: "its checksum is another"})
+        assert found == (before, {latest: "its checksum does not match"})
 
 
 def test_a_damaged_checkpoint_is_none_of_the_two_that_are_kept(room, interrupted):
@@ -180,7 +180,7 @@ def test_a_damaged_checkpoint_is_none_of_the_two_that_are_kept(room, interrupted
 
 
 def config_of(room: Path) -> Config:
-    """What `OPTIONS` say."""
+    """The settings of `OPTIONS`."""
     return Config(
         world=str(room),
         algorithm=A2C(entropy=9.0, hidden=(16,)),
@@ -214,7 +214,7 @@ def test_a_second_process_is_refused(room, tmp_path, capsys):
 def test_other_settings_are_refused(room, interrupted, capsys):
     arguments = ["train", str(room), *OPTIONS, "--out", str(interrupted), "--resume"]
     assert main([*arguments, "--discount", "0.5"]) == 2
-    assert "was begun with discount 0.99, not 0.5" in capsys.readouterr().err
+    assert "was started with discount 0.99, not 0.5" in capsys.readouterr().err
 
 
 def test_without_resume_an_interrupted_folder_is_refused(room, interrupted, capsys):
@@ -240,7 +240,7 @@ def test_a_full_disk_is_one_line_and_with_room_it_goes_on(room, tmp_path, whole)
         said = said_by(folder)
         assert said.startswith(f"habilis: {folder}: cannot be written (")
         assert "No space left on device" in said
-        assert said.endswith("make room there, and go on with resume\n")
+        assert said.endswith("make room there, and continue with resume\n")
         assert said.count("\n") == 1
         good = checkpoints.checkpoints(folder)
         assert good
@@ -359,7 +359,7 @@ def test_what_an_intrinsic_reward_has_learned_is_kept_too(room, tmp_path, intrin
     check_that_it_goes_on_to_the_same_bytes(config, tmp_path)
 
 
-def test_what_was_done_is_kept_where_updates_do_not_tell_it(room, tmp_path):
+def test_actions_are_counted_where_updates_do_not_report_them(room, tmp_path):
     """Whole episodes, and schedules by how many have ended: both are counted in the lanes."""
     learner = A2C(
         envs=4,

@@ -134,7 +134,7 @@ def test_the_papers_bonuses_leave_the_best_return_alone_and_a_large_one_does_not
     assert return_of_the_best_policy(mdp, bits, 0.3, 0.99) < -14
 
 
-def test_a_bonus_worth_more_than_a_step_keeps_the_agent_from_ending():
+def test_a_bonus_larger_than_the_step_cost_keeps_the_agent_from_ending():
     line = hb.TabularMDP.deterministic(
         [[0, 1], [1, 2], [2, 2]], reward=np.full((3, 2), -1.0), terminal=[False, False, True]
     )
@@ -184,7 +184,7 @@ def test_episodes_and_steps_are_counted_apart_and_neither_without_convergence():
     assert claims.counts(runs, "steps").tolist() == [500, 400, np.inf]
 
 
-def test_an_order_that_chance_may_have_made_is_undecided():
+def test_an_order_that_is_not_significant_is_undecided():
     even, odd = (list(range(start, start + 20, 2)) for start in (0, 5))
     told = claims.verdict(runs_of(even, even), runs_of(odd, odd), "episodes")
     assert 0.05 < told.p < 0.9
@@ -238,7 +238,7 @@ def test_superiority_over_vanilla_and_its_interval(study):
     assert (vanilla["superiority_high"] > 0.5).all()
 
 
-def test_where_the_best_policy_is_lost_is_told_for_each_claim(study):
+def test_each_claim_reports_where_the_optimal_policy_changes(study):
     changed = study.changed()
     toe = changed.filter(claim="TOE before vanilla (corridor, picker)")
     lost = study.optima.filter(pl.col("best_policy") < pl.col("best_return") - 0.9)

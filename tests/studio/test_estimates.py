@@ -1,4 +1,4 @@
-"""Averages where chance has a part: estimated from placements drawn at random."""
+"""Averages in stochastic worlds, estimated from random placements."""
 
 from dataclasses import replace
 

@@ -23,7 +23,7 @@ class ExpectedSarsa:
     envs: int = setting(8, "environments of a run", static=True)
     rollout: int = setting(4, "steps between two updates", static=True)
     passes: int = setting(1, "passes over a rollout", static=True)
-    learning_rate: float = setting(0.3, "share of the error by which a value changes")
+    learning_rate: float = setting(0.3, "step size of the value update")
     softness: float = setting(0.2, "temperature of the policy")
     discount: float = setting(0.95, "gamma")
     reward_scale: float = setting(1.0, "factor on the reward")

@@ -30,7 +30,7 @@ QUICK_A2C = A2C(
 
 
 class Learned(NamedTuple):
-    """What one agent came to."""
+    """The result of one agent."""
 
     policy: np.ndarray  # float[S, A]
     values: np.ndarray  # of a network, float[S]; of a table Q, float[S, A]

@@ -85,7 +85,7 @@ def parameters_of(network: Any) -> Parameters:
 
 
 def inputs_of(mdp: TabularMDP, observation: str) -> np.ndarray:
-    """What is shown of each state of `chain`, written down anew."""
+    """The observation of each state of `chain`, written out independently."""
     cell, held = mdp.factors["agent"], mdp.factors[HELD]
     if observation == COORDINATES:
         assert mdp.shape is not None
@@ -97,7 +97,7 @@ def inputs_of(mdp: TabularMDP, observation: str) -> np.ndarray:
 
 
 def rollouts_of(mdp: TabularMDP, config: Config, made: list[Update]) -> list[Rollout]:
-    """What the environments did in each update, as the reference has it."""
+    """The environments' steps in each update, according to the reference."""
     inputs = inputs_of(mdp, config.observation)
     found, taken, episodes = [], 0, 0
     for update in made:

@@ -38,7 +38,7 @@ def spec(room, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def whole(spec, tmp_path_factory):
-    """What comes of the search when nothing happens to it."""
+    """The result of an undisturbed search."""
     folder = tmp_path_factory.mktemp("searches") / "whole"
     frame = search(read_spec(spec), folder)
     assert results(folder).equals(frame)
@@ -79,13 +79,13 @@ def test_more_trials_are_reason_to_go_on_and_the_first_ones_stay(spec, tmp_path,
     assert search(read_spec(spec), folder, resume=True).drop("seconds")[:6].equals(whole[:6])
     other = tmp_path / "other.toml"
     other.write_text(text.replace("seed = 3", "seed = 4"))
-    with pytest.raises(ValueError, match="was begun with another search"):
+    with pytest.raises(ValueError, match="was started with another search"):
         search(read_spec(other), folder, resume=True)
     elsewhere = search(read_spec(other), tmp_path / "elsewhere")
     assert not set(elsewhere["learning_rate"]) & set(whole["learning_rate"])
 
 
-def test_points_that_cannot_be_are_told_and_left_out(room, tmp_path, capsys):
+def test_impossible_points_are_reported_and_left_out(room, tmp_path, capsys):
     shared = {"world": str(room), "runs": 1, "episodes": 50, "algorithm": "ppo", "hidden": [8]}
     space = {"minibatches": [4, 7]}
     spec = Spec(shared, ("minibatches",), (), Search(space, trials=6, seed=1))
@@ -114,7 +114,7 @@ def test_later_rounds_learn_from_earlier_ones(monkeypatch, tmp_path, room):
     assert tried["small"][10:].mean() < tried["large"][10:].mean() - 1
 
 
-def test_runs_given_up_count_with_their_budget():
+def test_runs_over_budget_count_with_their_budget():
     frame = pl.DataFrame(
         {
             "point": [0, 0, 1, 1],

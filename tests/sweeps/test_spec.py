@@ -81,7 +81,10 @@ envs = [8, 16]
 @pytest.mark.parametrize(
     ("text", "mend"),
     [
-        ("[grid]\nbeat = [0.1]", r"\[grid\] has 'beat', which is no setting; use some of .*beta"),
+        (
+            "[grid]\nbeat = [0.1]",
+            r"\[grid\] has 'beat', which is not a setting; use some of .*beta",
+        ),
         ("[config]\nbeat = 0.1\n[grid]\nseed = [0]", r"\[config\] has 'beat'"),
         ('[config]\npreset = "x"\n[grid]\nseed = [0]', "preset 'x' is unknown; use one of book-"),
         ('[grid]\npreset = ["book-cartpole"]', r"\[grid\] has preset.*give it in \[config\]"),
@@ -102,7 +105,7 @@ envs = [8, 16]
         ("[search]\nenvs = {low = 1.5, high = 8}", "low = 1.5; give a whole number"),
         ("[search]\nentropy = {low = 0, high = 1, log = true}", "give a low above 0"),
         ("[search]\nenvs = {low = 1}", "give low, high"),
-        ("[search]\noptimizer = {low = 1, high = 2}", "has a range, but is no number"),
+        ("[search]\noptimizer = {low = 1, high = 2}", "has a range, but is not a number"),
         ("[search]\nenvs = [8]\ntrials = 0", "trials is 0; give at least 1"),
         ("[search]\nenvs = [8]\nat_once = true", "at_once is True; give a whole number"),
         ('[search]\nenvs = [8]\nminimise = "luck"', "minimise 'luck' is unknown; use one of mean_"),

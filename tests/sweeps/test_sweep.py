@@ -46,7 +46,7 @@ def without_seconds(folder: Path) -> pl.DataFrame:
 
 @pytest.fixture(scope="module")
 def whole(spec, tmp_path_factory):
-    """What comes of the grid when nothing happens to it."""
+    """The result of an undisturbed grid."""
     folder = tmp_path_factory.mktemp("sweeps") / "whole"
     assert main(["sweep", str(spec), "--out", str(folder)]) == 0
     return without_seconds(folder)
@@ -99,13 +99,13 @@ def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(spec, tmp_path, who
     process.send_signal(signal.SIGINT)
     assert process.wait() == 130
     said = Path(f"{folder}.err").read_text()
-    assert f"of {TASK_COUNT} tasks are kept in {folder}: go on with --resume" in said
+    assert f"of {TASK_COUNT} tasks are kept in {folder}: continue with --resume" in said
     assert "Traceback" not in said
     assert main(["sweep", str(spec), "--out", str(folder), "--resume"]) == 0
     assert without_seconds(folder).equals(whole)
 
 
-def test_a_damaged_file_is_told_and_its_runs_trained_again(config, tmp_path, capsys):
+def test_a_damaged_file_is_reported_and_its_runs_trained_again(config, tmp_path, capsys):
     folder = tmp_path / "sweep"
     before = sweep([config], folder)
     path = finished(folder)[0]
@@ -211,7 +211,7 @@ def test_a_folder_of_something_else_is_refused(config, tmp_path, spec, capsys):
     (tmp_path / "sweep" / "letters.txt").write_text("mine")
     with pytest.raises(ValueError, match="exists already"):
         sweep([config], tmp_path / "sweep")
-    with pytest.raises(ValueError, match="holds no sweep to go on with"):
+    with pytest.raises(ValueError, match="has no sweep to resume"):
         sweep([config], tmp_path / "sweep", resume=True)
     with pytest.raises(ValueError, match="nothing to sweep over"):
         sweep([], tmp_path / "none")

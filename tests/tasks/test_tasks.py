@@ -97,7 +97,7 @@ def test_whoever_stops_hears_how_to_go_on(tmp_path):
 
     folder = tmp_path / "squares"
     with opened(folder, LAYOUT, one, resume=False) as session:
-        with pytest.raises(Interrupted, match=rf"1 of 5 tasks are kept in {folder}: go on with"):
+        with pytest.raises(Interrupted, match=rf"1 of 5 tasks are kept in {folder}: continue with"):
             session.compute(SQUARES)
         session.stopped = lambda: 15
         with pytest.raises(Interrupted, match="1 of 5 tasks") as stop:
@@ -127,7 +127,7 @@ def test_a_folder_of_something_else_is_refused_and_one_of_ours_is_not(tmp_path):
     (other / "letters.txt").write_text("mine")
     with pytest.raises(ValueError, match="exists already"):
         LAYOUT.check(other, resume=False)
-    with pytest.raises(ValueError, match="other: holds no squares to go on with; name another"):
+    with pytest.raises(ValueError, match="other: has no squares to resume; name another"):
         LAYOUT.check(other, resume=True)
     (other / LAYOUT.mark).write_text("")
     LAYOUT.check(other, resume=True)

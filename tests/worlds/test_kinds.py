@@ -1,6 +1,6 @@
 """Further tools and kinds of objects, as pictures before and after.
 
-In the pictures the goal is out of reach. Each must hold turned and mirrored too: eight times.
+In the pictures the goal is unreachable. Each must hold turned and mirrored too: eight times.
 """
 
 import pytest

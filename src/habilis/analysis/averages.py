@@ -15,7 +15,7 @@ from habilis.worlds.tools import Tool
 from habilis.worlds.world import NO_TOOL, World
 
 NOTHING = 1e-9
-"""What rounding can make of no empowerment at all."""
+"""The largest rounding error of an empowerment of zero."""
 
 
 @takes_old_keywords

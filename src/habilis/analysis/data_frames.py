@@ -60,10 +60,10 @@ def to_dataframe(
         if column.shape != (len(rows),):
             raise ValueError(
                 f"{name} has shape {column.shape}; give one value for each of the "
-                f"{len(rows):,} states, or say of which with states="
+                f"{len(rows):,} states, or select states with states="
             )
         if name in columns:
-            raise ValueError(f"the column {name!r} is there already; name the values otherwise")
+            raise ValueError(f"the column {name!r} exists already; give the values another name")
         columns[name] = column
     import polars as pl
 

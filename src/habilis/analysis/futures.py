@@ -38,7 +38,7 @@ _DPI, _GAP, _HEAD, _FOOT, _BARS = 96, 24, 56, 48, 320  # pixels
 
 @dataclass(frozen=True)
 class Futures:
-    """What an agent would do to have the greatest choice of observations, and what it would see.
+    """The capacity-achieving action sequences, and the observations that they lead to.
 
     Attributes:
         empowerment: of the state, in `unit`; to within `gap`.

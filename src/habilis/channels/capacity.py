@@ -112,7 +112,7 @@ def merge_rows(
 ) -> tuple["csr_array", Int64[np.ndarray, "n"], Int64[np.ndarray, "k"]]:
     """One row for all that are alike to the last bit; rows of zeros go when adding.
 
-    Rows are told apart by 64-bit sums of their bits. Should two unlike rows ever share one,
+    Rows are distinguished by 64-bit sums of their bits. Should two unlike rows ever share one,
     the capacity's certificate, which looks at the channel as given, shows it.
 
     Args:

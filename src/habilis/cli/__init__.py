@@ -125,7 +125,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Refuses bad usage in one line, as every other bad input is."""
+    """A parser that reports bad usage in one line, like all other bad input."""
 
     def error(self, message: str) -> NoReturn:
         raise ValueError(f"{message}; see {self.prog} --help")
@@ -165,7 +165,7 @@ class _VerbParser(_Parser):
 
 
 def in_flags(message: str, flags: Mapping[str, str], lacks: Collection[str] = ()) -> str:
-    """An error of the library as the command line says it: arguments by their options.
+    """An error of the library in the command line's terms: arguments by their options.
 
     Args:
         message: names arguments as Python has them, as in `raise max_gib` and `unit='nats'`.

@@ -30,7 +30,7 @@ def run(args: Args) -> int:
             else {"steps": plan.steps, "return": plan.best_return, "actions": list(plan.actions)}
         )
     elif plan is None:
-        print("the goal is out of reach")
+        print("the goal is unreachable")
     else:
         print(f"{plan.steps} steps, return {plan.best_return:g}")
         print(", ".join(mdp.actions[action] for action in plan.actions))

@@ -9,7 +9,7 @@ from habilis.extras import import_from
 from habilis.files import FOLDER
 from habilis.progress import progress_bar
 
-HELP: str = "train agents where there are several tools, objects or placements, and compare rewards"
+HELP: str = "train agents in worlds with several tools, objects or placements, and compare rewards"
 EXAMPLE: str = "habilis study choosing two-goals unseen --out studies"
 
 

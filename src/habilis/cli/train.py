@@ -54,7 +54,7 @@ def run(args: Args) -> int:
         command = shlex.join(["habilis", *args.command] + ["--resume"] * (not args.resume))
         number = getattr(stop, "signal", 2)
         kept = f"all is kept in {args.out}; " if str(stop) else ""
-        return refuse(f"stopped; {kept}go on with: {command}", status=128 + number)
+        return refuse(f"stopped; {kept}continue with: {command}", status=128 + number)
     finished = [at for at in run.converged_at if at is not None]
     summary = {
         "best_return": run.best_return,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.text import Text
 
-HELP: str = "replay what an agent learned"
+HELP: str = "replay a trained agent"
 EXAMPLE: str = "habilis watch runs/toe --run 2 --gif toe.gif"
 
 

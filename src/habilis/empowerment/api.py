@@ -189,7 +189,7 @@ def _counted(
     method: Exact,
     show_progress: bool,
 ) -> Bits:
-    """The logarithms of how many observations can be brought about, where nothing is noisy."""
+    """The logarithms of the numbers of reachable observations, without noise."""
     # Numba takes as long to import as everything else together: only who computes pays.
     from habilis.empowerment.tabular.deterministic import counts
 
@@ -234,7 +234,7 @@ def question_of(
     method: Exact,
     tell: Progress,
 ) -> "Question":
-    """What is to be counted for a measure of a deterministic table."""
+    """The counting problem of a measure of a deterministic table."""
     from habilis.empowerment.tabular.deterministic import Question
 
     labels, label_count = observations(mdp, sensor)

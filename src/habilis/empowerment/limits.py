@@ -1,4 +1,4 @@
-"""What a computation may cost, and the error that refuses more."""
+"""Limits on the cost of a computation, and the error for exceeding them."""
 
 import time
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from math import inf
 
 @dataclass(frozen=True)
 class Limits:
-    """What a computation may cost.
+    """Limits on the cost of a computation.
 
     Attributes:
         gib: memory in use at once, in GiB.
@@ -23,7 +23,7 @@ class Limits:
 
 
 MAX_GIB, MAX_SECONDS = 8.0, 3600.0
-"""What a computation may cost where nobody says."""
+"""The default limits."""
 
 UNLIMITED = Limits(inf, inf)
 
@@ -36,7 +36,7 @@ Progress = Callable[[float], None]
 
 
 def unwatched(share: float) -> None:
-    """For what nobody waits for."""
+    """A progress callback that does nothing."""
 
 
 class TooMuchError(ValueError):
@@ -103,7 +103,7 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
         steps: how many actions are gone through for it.
         gib: memory foreseen.
         limits: of time.
-        tell: is passed every share.
+        tell: called with every share.
 
     Returns:
         The function; it raises a `TooMuchError`.

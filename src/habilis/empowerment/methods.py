@@ -50,7 +50,7 @@ class Exact:
 
     @property
     def limits(self) -> Limits:
-        """What the computation may cost."""
+        """The limits on the cost of the computation."""
         otherwise = "ask for a lower bound with method=hb.Sampled()"
         return Limits(self.max_gib, self.max_seconds, otherwise)
 
@@ -101,7 +101,7 @@ class Sampled:
 
     @property
     def limits(self) -> Limits:
-        """What the computation may cost."""
+        """The limits on the cost of the computation."""
         return Limits(self.max_gib, self.max_seconds, "draw fewer samples")
 
 

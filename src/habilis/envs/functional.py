@@ -1,6 +1,6 @@
 """The worlds as functions of JAX: an environment for `jit`, `vmap` and `scan`.
 
-The interface is gymnax's from 1.0 on, whose `step` tells `terminated` and `truncated` apart (six
+The interface is gymnax's from 1.0 on, whose `step` separates `terminated` and `truncated` (six
 values; before there were five, with one `done`). gymnax itself is not needed, the extras
 `habilis[learn]` and `habilis[gymnasium]` are.
 """

@@ -106,7 +106,7 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         Raises:
             ValueError: the environment has no table, as in `TabularMDP.from_gymnasium`; or as in
                 `habilis.empowerment`; or a setting is out of its range. `step` raises it where
-                a step is another than the table's.
+                a step differs from the table's.
             TypeError: beta is left out.
         """
         chosen: dict[str, Any] = {} if method == _EXACT else {"method": method}
@@ -278,7 +278,7 @@ class _ManyStates:
         for number, env in enumerate(envs[1:], start=1):
             if not same_table(envs[0], env):
                 raise ValueError(
-                    f"environment {number} is another than environment 0; wrap each environment "
+                    f"environment {number} differs from environment 0; wrap each environment "
                     "in EmpowermentReward before it is vectorised"
                 )
         self._states = tabulated_states(envs[0], measure, max_states, identity)

@@ -153,7 +153,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return self._show(self.state), rewards, terminated, truncated, self._info() | final
 
     def _checked(self, actions: Any) -> Int[np.ndarray, "N"]:
-        """The actions, some of them drawn anew where there is slip."""
+        """The actions, some of them replaced by random ones if there is slip."""
         chosen = as_array("actions", actions)
         if chosen.shape != (self.num_envs,) or chosen.dtype.kind not in "iu":
             raise ValueError(

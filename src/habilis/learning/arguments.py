@@ -82,4 +82,6 @@ def _widths(text: str) -> tuple[int, ...]:
     try:
         return tuple(int(part) for part in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no list of widths, as 64,64") from None
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a list of widths such as 64,64"
+        ) from None

@@ -188,7 +188,7 @@ def _width(wait: int, device: Any) -> int:
 
 
 class _Advanced(NamedTuple):
-    """What a stretch gave: for each run of a batch its place in the stack, and its gain."""
+    """The result of a chunk: for each run of a batch its place in the stack, and its gain."""
 
     stack: Stack
     places: list[int]
@@ -214,7 +214,7 @@ def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _
 
 
 def _gain(job: Job, run: int, log: Log, place: int, sound: bool) -> Gain | NotFiniteError:
-    """What a stretch adds to the record of a run, or the error if the run is no longer finite."""
+    """A chunk's additions to the record of a run, or the error if the run is not finite."""
     loss, envs = log.loss[place], log.transition.shape[-1]
     made = (np.asarray(log.transition[place]) >= 0).sum(axis=(1, 2))
     if (error := _not_finite(job, run, np.asarray(loss), made, sound)) is not None:
@@ -247,7 +247,7 @@ def _enter(seats: list[Seat], advanced: _Advanced) -> list[Job]:
 def _not_finite(
     job: Job, run: int, loss: np.ndarray, made: np.ndarray, sound: bool
 ) -> NotFiniteError | None:
-    """What is wrong with a run, if a loss or what was learned is not finite.
+    """The error of a run whose loss or parameters are not finite, if any.
 
     Args:
         job, run: which.
@@ -272,7 +272,7 @@ def _not_finite(
 
 
 def _keep_compiled() -> None:
-    """Has JAX keep what it compiles on disk, unless it has been told where to already.
+    """Enables JAX's compilation cache on disk, unless it is configured already.
 
     In `$XDG_CACHE_HOME/habilis`, by default `~/.cache/habilis`. JAX's own settings come first:
     `JAX_COMPILATION_CACHE_DIR` names another place, `JAX_ENABLE_COMPILATION_CACHE=false` is none.

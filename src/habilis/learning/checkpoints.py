@@ -100,7 +100,7 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     size = _DIGEST().digest_size
     content = path.read_bytes()
     if _DIGEST(memoryview(content)[:-size]).digest() != content[-size:]:
-        raise ValueError("its checksum is another")
+        raise ValueError("its checksum does not match")
     with np.load(io.BytesIO(content)) as saved:
         return {_name(name): saved[name] for name in saved.files}
 

@@ -40,7 +40,7 @@ class Config:
     world: str = setting("corridor", "a built-in world's name or the path of a map")
     tool: str | None = setting(
         None,
-        'takes the place of the map\'s own tools: "picker", "broom", "rake", "stick", "magnet", '
+        'replaces the map\'s own tools: "picker", "broom", "rake", "stick", "magnet", '
         '"none" or "FILE.py:CLASS"',
     )
     algorithm: Algorithm = field(
@@ -48,7 +48,7 @@ class Config:
     )
     intrinsic: str = setting(
         NO_INTRINSIC,
-        'what is added to the reward: the empowerment through "state" or a factor\'s name, or sums '
+        'intrinsic reward: the empowerment through "state" or a factor\'s name, or sums '
         'and products of several, as "object:can + object:can2"; "count", 1 / sqrt(visits of the '
         'state); "rnd", random network distillation; or "none"',
     )
@@ -60,32 +60,30 @@ class Config:
     terminal_bonus: bool = as_in(Bonus, "terminal_bonus")
     extrinsic: bool = as_in(Bonus, "extrinsic")
     runs: int = setting(10, "independent runs")
-    seed: int = setting(0, "where the runs' random numbers start")
+    seed: int = setting(0, "random seed of the runs")
     episodes: int = setting(100_000, "budget of episodes, after which a run ends")
     steps: int = setting(
         100_000_000, "budget of environment steps, after which a run ends (checked every 20,000)"
     )
-    episode_limit: int = setting(500, "steps after which an episode is cut off (truncated)")
+    episode_limit: int = setting(500, "steps after which an episode is truncated")
     limit_is_terminal: bool = setting(
         False,
-        "whether the agent learns as if an episode that is cut off had terminated (a bias: states "
-        "far from the goal seem to cost less than they do)",
+        "whether the agent treats a truncated episode as terminated (a bias: states far from the "
+        "goal seem to cost less than they do)",
     )
     observation: str = setting(
         ONE_HOT,
         'what networks observe of a state: its factors, each "one-hot", or "coordinates" from '
         "-1 to 1",
     )
-    slip: float = setting(
-        0.0, "probability that an action drawn uniformly takes the place of the chosen one"
-    )
+    slip: float = setting(0.0, "probability that a uniformly random action replaces the chosen one")
     starts: int = setting(
-        0, "random placements of tools and objects that episodes begin from; 0: the map's own"
+        0, "random placements of tools and objects that episodes start from; 0: the map's own"
     )
     unseen: int = setting(
-        0, "further ones, from which none begins, for the success rate on what was never seen"
+        0, "further placements, held out of training, for the success rate on unseen ones"
     )
-    starts_seed: int = setting(0, "where the random numbers of these placements start")
+    starts_seed: int = setting(0, "random seed of these placements")
 
     def __post_init__(self) -> None:
         check_types(self)

@@ -19,7 +19,7 @@ VALUES = {
     "equipped": pl.col("equipped") / pl.col("steps"),
     "attached": pl.col("attached") / pl.col("equipped"),
 }
-"""What an episode is told by: its extrinsic return, its steps, the share of them with the tool in
+"""The measures of an episode: its extrinsic return, its steps, the share of them with the tool in
 hand, and the share of these with the object attached to it (none if it was never in hand)."""
 
 
@@ -65,7 +65,7 @@ class Curve:
 def learning_curve(
     run: Run, value: str = "return", unit: str = "episodes", statistic: str = "mean"
 ) -> Curve:
-    """What the runs of one configuration do on average, as they learn.
+    """The average learning curve of one configuration's runs.
 
     A run's value at some point is the mean over its last 100 episodes there; curves begin where all
     runs have as many, or, while some are younger, where all have one. A run that has *converged*

@@ -62,7 +62,7 @@ def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:
 
 
 def weights(config: Config) -> dict[str, float]:
-    """What a configuration says of its rewards, in numbers."""
+    """The numerical reward settings of a configuration."""
     return config.bonus.numbers(config.algorithm.discount)
 
 

@@ -70,7 +70,7 @@ class Job:
             numbers: which of its runs, if not all.
 
         Raises:
-            ValueError: a world, tool or sensor does not exist, or the goal is out of reach.
+            ValueError: a world, tool or sensor does not exist, or the goal is unreachable.
         """
         world = load_world(config.world, config.tool) if world is None else world
         conditions = Conditions.of(config)
@@ -85,7 +85,7 @@ class Job:
 
     @property
     def conditions(self) -> Conditions:
-        """What its episodes are like besides the map."""
+        """The settings of its episodes besides the map."""
         return Conditions.of(self.config)
 
     @cached_property
@@ -105,7 +105,7 @@ class Job:
 
     @cached_property
     def kind(self) -> tuple:
-        """What must be the same of all runs in a batch; settings may differ from run to run."""
+        """The properties shared by all runs in a batch; other settings may differ."""
         return self.world, self.conditions, self.config.observation, self.program
 
     def lane(self, run: int) -> Lane:
@@ -122,7 +122,7 @@ class Job:
         return jax.tree.map(lambda leaf: np.asarray(leaf)[0], lanes)
 
     def result(self) -> Run:
-        """What training gave, when all runs have ended."""
+        """The results, when all runs have ended."""
         learned = [self.lane(run).train_state.parameters for run in range(len(self.records))]
         return Run(
             config=self.config,
@@ -143,12 +143,12 @@ def _ledger(world: World, conditions: Conditions) -> Ledger:
 
 
 def digest_of_own_tool(world: World) -> str | None:
-    """What tools of one's own make of a world's table, in 32 hexadecimal digits.
+    """A fingerprint of a world's table with custom tools, in 32 hexadecimal digits.
 
     `None` where all tools are built-in ones, which are always the same.
 
     Raises:
-        ValueError: the goal is out of reach.
+        ValueError: the goal is unreachable.
     """
     if not world.own_tools:
         return None

@@ -25,7 +25,7 @@ from habilis.learning.task import Task
 
 @dataclass(frozen=True)
 class Program:
-    """What the compiled loop depends on, and so must be the same in all lanes of a batch.
+    """The static settings of the compiled loop, shared by all lanes of a batch.
 
     Attributes:
         algorithm: its static settings; all others are at their defaults here.
@@ -67,7 +67,7 @@ class Program:
 
 
 class Settings(NamedTuple):
-    """What may differ from lane to lane."""
+    """The settings that may differ between lanes."""
 
     table: Float[Array, "S"]
     """M, the intrinsic value of every state, where it is a table."""

@@ -101,7 +101,7 @@ class Network(eqx.Module):
         return self.activations(inputs)[-1]
 
     def activations(self, inputs: Inputs) -> list[Float[Array, "*batch _"]]:
-        """What each hidden layer gives out, and the outputs."""
+        """The activations of each hidden layer, and the outputs."""
         active = ACTIVATIONS[self.activation][0]
         x = jnp.broadcast_to(self.bias, (*inputs.shape[:-1], *self.bias.shape))
         if jnp.issubdtype(inputs.dtype, jnp.integer):

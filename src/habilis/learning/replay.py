@@ -93,7 +93,7 @@ def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
 
 
 def learned(run: Run, mdp: TabularMDP, index: int) -> tuple[np.ndarray, np.ndarray]:
-    """What a run learned of every state.
+    """The policy and values of a run for every state.
 
     Args:
         run: a trained run.
@@ -116,7 +116,7 @@ def _parameters(run: Run, index: int) -> Any:
 
 
 def best_return_from(run: Run, start: int) -> float | None:
-    """The most that any policy can expect from a state; `None` where the goal is out of reach.
+    """The most that any policy can expect from a state; `None` where the goal is unreachable.
 
     Args:
         run: a trained run.

@@ -18,7 +18,7 @@ Hyperparams = dict[str, Float[Array, ""]]
 
 @dataclass(frozen=True)
 class Context:
-    """What an algorithm knows besides its settings and its train state, in one update of a lane.
+    """The inputs of an update of one lane, besides the settings and the train state.
 
     Attributes:
         task: the table.
@@ -49,13 +49,13 @@ class Trajectory(NamedTuple):
     transition: Int[Array, "T E"]
     truncated: Bool[Array, "T E"]
     aux: Any
-    """What the policy remembers of each decision."""
+    """The policy's record of each decision."""
     mask: Bool[Array, "T E"] | None = None
     """Which of the steps were made; `None`: all."""
 
 
 class Experience(NamedTuple):
-    """What an algorithm learns from: a trajectory, and its rewards."""
+    """The training data of an update: a trajectory and its rewards."""
 
     state: Int[Array, "T E"]
     action: Int[Array, "T E"]
@@ -84,7 +84,7 @@ def rollout(
     starts: Float[Array, "T E"] | None = None,
     noise: Float[Array, "T E"] | None = None,
 ) -> tuple[EnvState, Trajectory]:
-    """T steps of E environments; ended episodes start anew.
+    """T steps of E environments; ended episodes are reset.
 
     The draws decide on actions, `starts` on where an episode begins, if there are several initial
     states, and the noise on the outcome of an action, if there are several.

@@ -16,7 +16,7 @@ from habilis.worlds.world import World
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What training one configuration gave.
+    """The results of training one configuration.
 
     Attributes:
         config: the configuration.
@@ -91,14 +91,14 @@ class Metrics(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """What is remembered of a stretch of training besides its episodes."""
+    """The record of a chunk of training besides its episodes."""
 
     loss: float
     transitions: Int[np.ndarray, "n"]
 
 
 class Gain(NamedTuple):
-    """What a stretch of training adds to a record, and where it leaves the sums that go on."""
+    """The additions of a chunk of training to a record, and its unfinished sums."""
 
     last: Stretch
     steps: int
@@ -194,7 +194,7 @@ class Record:
         truncated: Bool[np.ndarray, "T E"],
         loss: float,
     ) -> Gain:
-        """What a stretch of training will add; changes nothing, so any thread may work it out.
+        """The additions of a chunk of training; free of side effects, so any thread may compute it.
 
         Args:
             transition, truncated: what the environments did.

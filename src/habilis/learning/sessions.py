@@ -26,7 +26,7 @@ from habilis.learning.metrics import note_metrics
 from habilis.learning.runs import Progress, Run
 from habilis.learning.tensorboard import EventFiles
 
-_GO_ON = "make room there, and go on with resume"
+_GO_ON = "make room there, and continue with resume"
 
 
 def train_in_folder(
@@ -75,7 +75,7 @@ def _finished(config: Config, folder: Path) -> Run:
 
 
 def _job_of(config: Config, folder: Path) -> Job:
-    """What a folder was begun with, if that is what is asked for, or else something new.
+    """The settings of an existing folder, if they match, or new ones.
 
     A process that is killed before it has written what a run starts from leaves its lock, parts of
     that, and nothing to go on from.
@@ -89,11 +89,11 @@ def _job_of(config: Config, folder: Path) -> Job:
 
 
 def _restore(job: Job, folder: Path) -> None:
-    """Takes a job back to the last whole checkpoint, and tells of those that are damaged."""
+    """Restores a job from the last intact checkpoint, and reports damaged ones."""
     good, damaged = checkpoints.restore(job, folder)
     for path, reason in damaged.items():
         print(
-            f"habilis: {path}: is damaged ({reason}); going on from the one before, {good}",
+            f"habilis: {path}: is damaged ({reason}); continuing from the previous one, {good}",
             file=sys.stderr,
         )
         with writing(folder):
@@ -101,12 +101,12 @@ def _restore(job: Job, folder: Path) -> None:
 
 
 def _check_same(config: Config, folder: Path) -> None:
-    """Refuses to go on with other settings than a folder was begun with."""
+    """Refuses to resume a folder with other settings."""
     began, wanted = read_config(folder).as_dict(), config.as_dict()
     for name, value in wanted.items():
         if json.loads(json.dumps(value)) != json.loads(json.dumps(began.get(name))):
             raise ValueError(
-                f"{folder}: was begun with {name} {began.get(name)!r}, not {value!r}; "
+                f"{folder}: was started with {name} {began.get(name)!r}, not {value!r}; "
                 "give the same settings, or another folder"
             )
 
@@ -139,7 +139,7 @@ def _train(
             raise FloatingPointError(f"{error}; {last}") from None
         if stopped() and not all(record.ended for record in job.records):
             look(over=True)
-            raise Interrupted(f"stopped; all is kept in {folder}, to go on with resume", stopped())
+            raise Interrupted(f"stopped; all is kept in {folder}; continue with resume", stopped())
         run = job.result()
         with writing(folder, _GO_ON):
             events.add()

@@ -46,7 +46,7 @@ class Stack:
     def alone(self, place: int) -> Lane:
         """A copy of one of the lanes, which does not keep the others in memory.
 
-        It stays on the device, so that nobody has to wait for it.
+        It stays on the device, without a transfer to wait for.
         """
         if _on_host(self.device):
             return jax.tree.map(np.copy, self.lane(place))
@@ -66,7 +66,7 @@ class InStack(NamedTuple):
 def side_by_side(seats: Sequence[Seat], width: int, device: Any) -> tuple[Stack, list[int]]:
     """Runs of one program and world side by side, as wide as wanted, and the place of each.
 
-    The other lanes are repetitions, or of runs that have left; nobody looks at them. What is
+    The other lanes are repetitions, or of runs that have left, and are ignored. What is
     already there is used as it is, and what is on the device does not leave it.
     """
     held = [seat.job.lanes.get(seat.run) for seat in seats]

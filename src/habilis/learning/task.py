@@ -15,13 +15,13 @@ ROOM = 1 << 13
 
 
 class Task(NamedTuple):
-    """What all lanes share; transitions are numbered as in `Transitions`."""
+    """The data shared by all lanes; transitions are numbered as in `Transitions`."""
 
     transitions: Transitions
     goes_on: Int[Array, "S*A*K"]
     """Where the next step is made from: the next state, or -1 where that is terminal."""
     inputs: Int[Array, "S factors"] | Float[Array, "S coordinates"]
-    """What a network is shown of a state: rows of its first weights, or coordinates."""
+    """A network's observation of a state: rows of its first weights, or coordinates."""
     start: Int[Array, "*starts"]
     """Where episodes begin: one state, or any of several."""
     available: Bool[Array, "S A"] | None = None
@@ -46,7 +46,7 @@ class Task(NamedTuple):
     def transition(
         self, state: Int[Array, "*n"], action: Int[Array, "*n"], draw: Float[Array, "*n"] | None
     ) -> Int[Array, "*n"]:
-        """What is done, given a uniform number for each; the one outcome needs none."""
+        """The outcomes, given a uniform number for each; a single outcome needs none."""
         return self.transitions.drawn(state * self.actions + action, draw)
 
     def state_of(self, transition: Int[Array, "*n"]) -> Int[Array, "*n"]:
@@ -114,7 +114,7 @@ def one_hot(mdp: TabularMDP) -> tuple[Int32[np.ndarray, "S factors"], int]:
 
 
 def coordinates(mdp: TabularMDP) -> tuple[Float32[np.ndarray, "S coordinates"], int]:
-    """What a plain network would see: numbers from -1 to 1, and how many of them a state has.
+    """The observation of a plain network: numbers from -1 to 1, and how many a state has.
 
     Row and column of each cell, from -1 at the map's upper left to 1 at its lower right; other
     factors by their labels, scaled to the range that these have.
@@ -135,7 +135,7 @@ def _scaled(values: Int[np.ndarray, "S"], least: int, most: int) -> Float[np.nda
 
 
 def roomy(task: Task) -> Task:
-    """The same with states that nobody comes to, up to a multiple of `ROOM`.
+    """The same, padded with unreachable states to a multiple of `ROOM`.
 
     Tables of about one size, as those of one map with different starts, then share a compiled
     program; compiling takes longer than many a run.

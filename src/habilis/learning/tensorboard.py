@@ -87,7 +87,7 @@ def _number(path: Path) -> int:
 
 
 def _head(job: Job) -> list[Any]:
-    """What comes before the metrics: the format, and the settings of the run."""
+    """The records before the metrics: the format, and the settings of the run."""
     now = time.time()
     settings = job.config.as_dict()
     rows = [f"| {name} | {value} |" for name, value in settings.items()]

@@ -65,7 +65,7 @@ def training_problem(world: World, conditions: Conditions = DEFAULT_CONDITIONS) 
         Its table, with all that can be reached from where episodes begin.
 
     Raises:
-        ValueError: the goal is out of reach, from the map or from so many placements.
+        ValueError: the goal is unreachable, from the map or from so many placements.
     """
     starts, unseen, seed, slip = conditions
     if starts:

@@ -163,7 +163,7 @@ def _values(parameters: Mapping[str, Any], wanted: Search) -> dict[str, Any]:
 
 
 def _check_same(spec: Spec, folder: Path) -> None:
-    """Refuses to go on with another search than a folder was begun with."""
+    """Refuses to resume a folder with another search."""
     path = folder / _SPEC
     if not path.exists():
         return
@@ -173,7 +173,7 @@ def _check_same(spec: Spec, folder: Path) -> None:
         raise ValueError(f"{path}: is damaged ({error}); search into a new folder") from None
     if began | {"trials": None} != json.loads(json.dumps(_as_dict(spec))) | {"trials": None}:
         raise ValueError(
-            f"{folder}: was begun with another search; give the same one (more trials are fine), "
+            f"{folder}: was started with another search; give the same one (more trials are fine), "
             "or another folder"
         )
 

@@ -239,7 +239,7 @@ def _defaults() -> Values:
 def _refuse_dates(where: str, value: Any) -> None:
     """TOML has dates and times; no setting is one."""
     if isinstance(value, datetime.date | datetime.time):
-        raise ValueError(f"[{where}] has the date {value}; give a number, a text, true or false")
+        raise ValueError(f"[{where}] has the date {value}; give a number, a string, true or false")
     for each in value.values() if isinstance(value, dict) else value:
         if isinstance(each, dict | list | datetime.date | datetime.time):
             _refuse_dates(where, each)
@@ -251,7 +251,7 @@ def _check_names(table: str, names: Any) -> None:
             raise ValueError(f"[{table}] has preset, which is for all points; give it in [config]")
         if name not in _defaults():
             raise ValueError(
-                f"[{table}] has {name!r}, which is no setting; use some of "
+                f"[{table}] has {name!r}, which is not a setting; use some of "
                 f"{', '.join(sorted(_defaults()))}"
             )
 
@@ -290,7 +290,7 @@ def _range_or_values(names: str, value: Any) -> Range | list[Any]:
         raise ValueError(f"{what} is {value!r}; give low, high and, if it is so, log = true")
     default = _defaults().get(names)
     if isinstance(default, bool) or not isinstance(default, int | float):
-        raise ValueError(f"{what} has a range, but is no number; give a list of values")
+        raise ValueError(f"{what} has a range, but is not a number; give a list of values")
     kinds = int if isinstance(default, int) else (int, float)
     for end in sorted(numbers):
         if isinstance(value[end], bool) or not isinstance(value[end], kinds):

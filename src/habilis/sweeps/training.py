@@ -168,7 +168,7 @@ def check(config: Config, world: World) -> None:
     """Refuses what cannot be trained, before anything is.
 
     Raises:
-        ValueError: the goal is out of reach, or the sensor does not exist.
+        ValueError: the goal is unreachable, or the sensor does not exist.
     """
     Job.of(0, config.changed(horizon=min(config.horizon, 1)), world, ())
 

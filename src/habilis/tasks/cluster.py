@@ -54,7 +54,7 @@ def on_ray(address: str) -> Iterator[Executor[Task]]:
         yield _run
     except RayError as error:
         raise ValueError(
-            f"{address}: the Ray cluster is lost ({first_line(error)}); go on with --resume"
+            f"{address}: the Ray cluster is lost ({first_line(error)}); continue with --resume"
         ) from None
     finally:
         ray.shutdown()
@@ -79,7 +79,7 @@ def _run(tasks: Sequence[Task], done: Done, stopped: Stopped) -> None:
             except RayError as error:
                 raise ValueError(
                     f"{task.label}: was lost {RETRIES + 1} times on the cluster "
-                    f"({type(error).__name__}); check its nodes, and go on with --resume"
+                    f"({type(error).__name__}); check its nodes, and continue with --resume"
                 ) from None
             done(task.name, result)
     for reference in running:

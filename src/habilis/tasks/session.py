@@ -38,7 +38,7 @@ class Layout:
         there = resume and folder.is_dir() and any(folder.iterdir())
         check_folder(folder) if there else check_unused(folder)
         if there and not (folder / self.mark).exists() and not self._is_just_begun(folder):
-            raise ValueError(f"{folder}: holds no {self.kind} to go on with; name another folder")
+            raise ValueError(f"{folder}: has no {self.kind} to resume; name another folder")
 
     def _is_just_begun(self, folder: Path) -> bool:
         """Whether it is as a process leaves it that is killed at once."""
@@ -102,7 +102,7 @@ class Session(Generic[T]):
         if finished() < len(wanted):
             raise Interrupted(
                 f"stopped; {finished()} of {len(wanted)} tasks are kept in {self.folder}: "
-                "go on with --resume",
+                "continue with --resume",
                 self.stopped(),
             )
 
@@ -114,10 +114,10 @@ def opened(
     """Makes or opens a folder of tasks, for this process alone.
 
     Args:
-        folder: a new one, or with `resume` one that was begun earlier.
+        folder: a new one, or with `resume` an existing one.
         layout: what is where in it.
         executor: runs the tasks.
-        resume: whether to go on in a folder that was begun earlier.
+        resume: whether to continue in an existing folder.
 
     Raises:
         ValueError: it is in use, holds something else, or cannot be written to.

@@ -78,7 +78,7 @@ def test_equal_values_of_other_types_are_one_state():
 
 
 def seen(env: Any) -> tuple:
-    """What can be seen of a Minigrid."""
+    """The visible state of a Minigrid."""
     carried = env.carrying and env.carrying.encode()
     return env.grid.encode().tobytes(), tuple(map(int, env.agent_pos)), int(env.agent_dir), carried
 
@@ -762,7 +762,9 @@ def test_an_object_that_can_be_called_has_its_attributes():
 
 
 def test_what_is_ignored_must_be_there():
-    with pytest.raises(ValueError, match="ignore has 'stpes', which Opens has not; its attributes"):
+    with pytest.raises(
+        ValueError, match="ignore has 'stpes', but Opens has no such attribute; it has"
+    ):
         T(Opens(), ignore=("stpes",))
     with pytest.raises(ValueError, match=re.escape("give a list of names, as ['steps']")):
         T(Opens(), ignore="steps")
@@ -1070,7 +1072,7 @@ def test_blackjack_is_refused_as_random():
 
 
 class ShownTime(Cells):
-    """What is shown depends on an ignored counter."""
+    """The observation depends on an ignored counter."""
 
     observation_space = Box(0, 1000, (2,))
 

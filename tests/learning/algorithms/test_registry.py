@@ -154,7 +154,7 @@ class TextRollout(ExpectedSarsa):
     [
         (WithBeta, "algorithm 'x': beta is a setting of every run already; rename it"),
         (WithoutHelp, "algorithm 'x': more has no help; make it with habilis.checks.setting"),
-        (NoDataclass, "is no frozen dataclass; make it one"),
+        (NoDataclass, "is not a frozen dataclass; make it one"),
         (NoUpdate, "algorithm 'x': NoUpdate has no init; add it"),
     ],
 )

@@ -1,4 +1,4 @@
-"""What the studies of learning agents have in common."""
+"""The shared parts of the studies of learning agents."""
 
 from dataclasses import replace
 

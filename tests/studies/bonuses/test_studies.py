@@ -122,7 +122,7 @@ def test_a_study_runs_from_end_to_end(folder, study):
     assert "the results are meaningless" in page
 
 
-def test_unseen_placements_are_told_from_seen_ones(folder):
+def test_unseen_placements_differ_from_seen_ones(folder):
     runs = pl.read_csv(folder / "unseen-runs.csv", infer_schema_length=None)
     shares = runs["unseen"] * HELD_OUT
     assert np.allclose(shares, shares.round())
@@ -155,7 +155,7 @@ def test_who_is_stopped_hears_how_to_go_on(tmp_path):
     """And what is kept already is not asked for again."""
     case, agent = TWO_GOALS.cases[0], TWO_GOALS.agents[0]
     points = points_of(TWO_GOALS, case, agent, 0.0, QUICK)
-    with pytest.raises(Interrupted, match=r"0 of 1 tasks .* go on with --resume") as stop:
+    with pytest.raises(Interrupted, match=r"0 of 1 tasks .* continue with --resume") as stop:
         train_all(points, tmp_path / "studies", stopped=lambda: 15)
     assert stop.value.signal == 15
     one = train_all(points, tmp_path / "studies")
@@ -196,10 +196,13 @@ def all_finite(runs):
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["study", "rooms", "--out", "new"], "no study 'rooms'; name one of choosing, two-goals"),
+        (
+            ["study", "rooms", "--out", "new"],
+            "study 'rooms' is unknown; use one of choosing, two-goals",
+        ),
         (["study", "unseen"], "--out"),
         (["study", "unseen", "--out", "full"], "full: exists already"),
-        (["study", "unseen", "--out", "full", "--resume"], "full: holds no studies to go on with"),
+        (["study", "unseen", "--out", "full", "--resume"], "full: has no studies to resume"),
         (["study", "unseen", "--out", "full/mine.txt"], "mine.txt is not a folder"),
     ],
 )

@@ -88,7 +88,7 @@ def test_the_report_says_what_the_picture_says(full):
     assert len(marks) == len(found.pace.learners) * 4 * 2
 
 
-def test_the_method_tells_of_prototypes_design_freeze_and_what_was_decided_after(full, bare):
+def test_the_method_describes_prototypes_design_freeze_and_later_decisions(full, bare):
     for _, text in (full, bare):
         assert "Prototypes of this study existed before" in text
         assert "regularised rows included" in text

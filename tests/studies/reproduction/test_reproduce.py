@@ -23,7 +23,7 @@ def paper(tmp_path_factory):
 
 
 class Page(HTMLParser):
-    """What a page loads, its ids, and where its links point."""
+    """The resources of a page, its ids, and the targets of its links."""
 
     def __init__(self, text):
         super().__init__()

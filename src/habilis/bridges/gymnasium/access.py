@@ -327,8 +327,8 @@ def _set(owner: Any, name: str, value: Any) -> None:
         object.__setattr__(owner, name, value)  # of frozen dataclasses, too
     except (AttributeError, TypeError):
         raise ValueError(
-            f"ignore has {name!r}, an attribute of {type(owner).__name__} that cannot be set; say "
-            "with key= what a state is"
+            f"ignore has {name!r}, an attribute of {type(owner).__name__} that cannot be set; "
+            "define the state with key="
         ) from None
 
 
@@ -355,7 +355,7 @@ def _check_apart(seen: View, originals: set[int], name: str) -> None:
 def deep_copy(env: Any) -> Any:
     """A deep copy of an environment, but for modules and pictures, which are shared.
 
-    Instances of `EzPickle` are copied by their attributes: by themselves they begin anew.
+    Instances of `EzPickle` are copied by their attributes: by themselves they start afresh.
 
     Raises:
         ValueError: something in it cannot be copied.

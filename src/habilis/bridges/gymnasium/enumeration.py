@@ -102,7 +102,7 @@ class _Found:
         if len(self.marks) >= self.max_states:
             raise ValueError(
                 f"more than {self.max_states:,} states can be reached, {len(self.steps):,} of them "
-                f"looked into; raise max_states{self._growing()}"
+                f"expanded; raise max_states{self._growing()}"
             )
         self.place[mark] = len(self.marks)
         self.marks.append(mark)

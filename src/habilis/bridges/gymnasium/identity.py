@@ -116,7 +116,8 @@ def owners(env: Any, names: Iterable[str]) -> list[tuple[Any, str]]:
         if not hasattr(owner, last):
             known = ", ".join(sorted(attributes(env))) or "none"
             raise ValueError(
-                f"ignore has {name!r}, which {type(env).__name__} has not; its attributes: {known}"
+                f"ignore has {name!r}, but {type(env).__name__} has no such attribute; it has "
+                f"{known}"
             )
         found.append((owner, last))
     return found

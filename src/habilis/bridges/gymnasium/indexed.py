@@ -63,15 +63,16 @@ class Indexed:
         except (TypeError, ValueError):
             where = f"its attribute {self.name!r}" if self.name else "its observation"
             raise ValueError(
-                f"{type(unwrapped(env)).__name__}: {where} is {str(row)[:60]}, no row of its table "
-                f"of {len(self.twin)}; let an attribute s have the row, or give state=(save, load)"
+                f"{type(unwrapped(env)).__name__}: {where} is {str(row)[:60]}, not a row of its "
+                f"table of {len(self.twin)}; add an attribute s with the row, or give "
+                "state=(save, load)"
             ) from None
         return int(self.twin[index]) if ended else index
 
     def restore(self, state: int) -> Any:
         """An environment in a state."""
         if not self.name:
-            raise ValueError("the environment has no attribute s by which a state is restored")
+            raise ValueError("the environment has no attribute s with which to restore a state")
         env = deep_copy_or_own(self.env)
         reset(env, 0)
         setattr(unwrapped(env), self.name, self._row(state))
@@ -86,8 +87,8 @@ class Indexed:
                 shown = layer.observation(shown)
             elif declares(layer, "observation"):
                 raise ValueError(
-                    f"{type(layer).__name__} shows more than the state that an environment is in; "
-                    "tabulate the environment without it"
+                    f"{type(layer).__name__} has observations that depend on more than the current "
+                    "state; tabulate the environment without it"
                 )
         return shown
 

@@ -31,7 +31,7 @@ def minigrid_factors(states: Iterable[Any]) -> dict[str, Int32[np.ndarray, "S"]]
         "agent": its cell, row * width + column; "direction": 0 east, 1 south, 2 west, 3 north;
         "carried": 0 nothing, else 1 + the number of the thing; and for every thing its cell, -1
         while it is carried or in a box, -2 once it is gone. A door's is its condition: 0 open, 1
-        closed, 2 locked. Things that nothing tells apart have no factor.
+        closed, 2 locked. Indistinguishable things have no factor.
     """
     names: dict[Thing, str] = {}
     rows = []

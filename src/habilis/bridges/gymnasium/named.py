@@ -44,7 +44,7 @@ def table_named(
 def _made(identity: str, arguments: dict[str, Any]) -> gymnasium.Env:
     """`gymnasium.make`, with every failure a ValueError of one line, and without warnings.
 
-    Its warnings tell authors of programs that a newer version exists: a user who names an
+    Its warnings inform authors of programs of a newer version: a user who names an
     environment on the command line means that one.
     """
     try:

@@ -99,7 +99,7 @@ def check_environment(env: Any, identity: Identity) -> None:
     inner = unwrapped(env)
     if not all(hasattr(inner, name) for name in ("action_space", "step", "reset")):
         raise ValueError(
-            f"{short(env)} is no Gymnasium environment; give what gymnasium.make returns"
+            f"{short(env)} is not a Gymnasium environment; give what gymnasium.make returns"
         )
     if identity.state is not None:
         return
@@ -145,7 +145,8 @@ class Enumeration:
         """The environment's observation in a state, through its wrappers."""
         if state == 0 and self.access.shown is None:
             raise ValueError(
-                "what the first state shows is not known with seed=None; give the seed of a reset"
+                "the observation of the first state is unknown with seed=None; give the seed of "
+                "a reset"
             )
         return self._walked(state)[1]
 

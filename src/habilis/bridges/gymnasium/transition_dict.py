@@ -92,7 +92,7 @@ def _rows(P: Any, state: int, action: int) -> list[tuple[float, int, float, bool
 
 def _whole(value: Any) -> int:
     if int(value) != value:
-        raise ValueError("no whole number")
+        raise ValueError("not a whole number")
     return int(value)
 
 
@@ -134,7 +134,7 @@ def listed_table(inner: Any, actions: int, max_states: int, begun: int | None) -
         )
     if getattr(inner, "fickle_passenger", False):
         raise ValueError(
-            "this Taxi's passengers change their minds, which its P does not say; "
+            "this Taxi's passengers change their minds, which its P does not model; "
             "make it with fickle_passenger=False"
         )
     found = Outcomes.of(inner.P, actions)

@@ -1,4 +1,4 @@
-"""What is left of empowerment as the horizon grows: what can be reached again and again.
+"""Persistence: the empowerment that remains as the horizon grows without bound.
 
 States that can be reached from each other form a component, and the components of a table have an
 order: who leaves one never comes back to it. So the agent ends up in one of them for ever.

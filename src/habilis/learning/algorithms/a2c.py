@@ -23,9 +23,7 @@ class A2C:
     """
 
     envs: int = setting(16, help_texts.ENVS, static=True)
-    rollout: int = setting(
-        5, f"{help_texts.ROLLOUT}; 0 (of a2c): a whole episode of each", static=True
-    )
+    rollout: int = setting(5, f"{help_texts.ROLLOUT}; 0 (A2C only): whole episodes", static=True)
     learning_rate: float = setting(1e-3, help_texts.LEARNING_RATE)
     learning_rate_end: float = setting(0.0, help_texts.LEARNING_RATE_END)
     learning_rate_steps: int = setting(0, help_texts.LEARNING_RATE_STEPS)

@@ -1,4 +1,4 @@
-"""What algorithms with a policy and a value network have in common."""
+"""The shared parts of algorithms with a policy and a value network."""
 
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -49,7 +49,7 @@ class TrainState(NamedTuple):
 
 
 class Decision(NamedTuple):
-    """What is remembered of a decision: the network's inputs, and the outputs of its layers."""
+    """The record of a decision: the network's inputs, and the outputs of its layers."""
 
     inputs: Inputs
     activations: list[Float[Array, "*time _"]]

@@ -22,7 +22,7 @@ class PPO:
     envs: int = setting(16, help_texts.ENVS, static=True)
     rollout: int = setting(32, help_texts.ROLLOUT, static=True)
     epochs: int = setting(4, "passes over each rollout", static=True)
-    minibatches: int = setting(4, "parts of it, with a gradient step each", static=True)
+    minibatches: int = setting(4, "parts of a rollout, with one gradient step each", static=True)
     learning_rate: float = setting(1e-3, help_texts.LEARNING_RATE)
     learning_rate_end: float = setting(0.0, help_texts.LEARNING_RATE_END)
     learning_rate_steps: int = setting(0, help_texts.LEARNING_RATE_STEPS)
@@ -30,7 +30,9 @@ class PPO:
     learning_rate_every: int = setting(0, help_texts.LEARNING_RATE_EVERY)
     optimizer: str = setting("adam", help_texts.OPTIMIZER, static=True)
     clip: float = setting(0.5, help_texts.CLIP)
-    clip_range: float = setting(0.2, "how far a probability's ratio to the old one may count")
+    clip_range: float = setting(
+        0.2, "clipping range of the ratio of new to old action probabilities"
+    )
     entropy: float = setting(0.02, help_texts.ENTROPY)
     entropy_end: float = setting(0.0, help_texts.ENTROPY_END)
     entropy_steps: int = setting(0, help_texts.ENTROPY_STEPS)

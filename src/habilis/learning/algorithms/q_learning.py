@@ -25,10 +25,10 @@ class QLearning:
 
     envs: int = setting(16, help_texts.ENVS, static=True)
     rollout: int = setting(5, help_texts.ROLLOUT, static=True)
-    learning_rate: float = setting(0.5, "share of the error by which a value changes")
-    epsilon: float = setting(0.1, "probability of an action at random")
+    learning_rate: float = setting(0.5, "step size of the value update")
+    epsilon: float = setting(0.1, "probability of a random action")
     epsilon_end: float = setting(0.002, "that probability after epsilon_steps")
-    epsilon_steps: int = setting(200_000, "environment steps over which it changes; 0: it stays")
+    epsilon_steps: int = setting(200_000, "environment steps over which it changes; 0: constant")
     discount: float = setting(0.99, help_texts.DISCOUNT)
     reward_scale: float = setting(1.0, help_texts.REWARD_SCALE)
 

@@ -93,7 +93,7 @@ def _checked(name: str, kind: Any) -> type[Any]:
 
     parameters = getattr(kind, "__dataclass_params__", None)
     if parameters is None or not parameters.frozen:
-        raise ValueError(f"algorithm {name!r}: {kind!r} is no frozen dataclass; make it one")
+        raise ValueError(f"algorithm {name!r}: {kind!r} is not a frozen dataclass; make it one")
     settings = {f.name: f for f in fields(kind)}
     missing = [fact for fact in (*_METHODS, *_FACTS) if not hasattr(kind, fact)]
     missing += [setting for setting in _SETTINGS if setting not in settings]

@@ -74,7 +74,7 @@ def run_studies(
 
 def _named(name: str) -> Study:
     if name not in STUDIES:
-        raise ValueError(f"no study {name!r}; name one of {', '.join(STUDIES)}")
+        raise ValueError(f"study {name!r} is unknown; use one of {', '.join(STUDIES)}")
     return STUDIES[name]
 
 

@@ -304,7 +304,7 @@ def _pairs(path: Path) -> tuple[Pair, ...]:
 def _after(path: Path) -> tuple[str, ...]:
     decided = _toml(path).get("decided", [])
     if not isinstance(decided, list) or not all(isinstance(one, str) for one in decided):
-        raise ValueError(f'{path}: decided is no list of sentences; write decided = ["..."]')
+        raise ValueError(f'{path}: decided is not a list of sentences; write decided = ["..."]')
     return tuple(decided)
 
 

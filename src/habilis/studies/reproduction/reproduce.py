@@ -90,7 +90,7 @@ def _check_replaceable(out: Path) -> None:
     if out.is_symlink():
         raise ValueError(f"{out}: is a link; name the folder itself")
     if out.exists() and not _is_reproduction(out):
-        raise ValueError(f"{out}: exists and is no earlier reproduction; name a new folder")
+        raise ValueError(f"{out}: exists and is not an earlier reproduction; name a new folder")
 
 
 def _is_reproduction(folder: Path) -> bool:
@@ -120,7 +120,9 @@ def _write(reproduction: Reproduction) -> None:
         _put_in_place(folder, out)
     except (OSError, pl.exceptions.PolarsError) as error:
         reason = str(error).splitlines()[0]
-        raise ValueError(f"{out}: cannot be written ({reason}); what there is: {folder}") from error
+        raise ValueError(
+            f"{out}: cannot be written ({reason}); partial results: {folder}"
+        ) from error
 
 
 def _put_in_place(folder: Path, out: Path) -> None:

@@ -91,7 +91,7 @@ def save_mp4(states: States, path: str | Path, cell: int = 32, milliseconds: int
     encoder = check_video()
     with TemporaryDirectory() as folder, TemporaryFile() as complaints:
         video = Path(folder) / "video.mp4"
-        command = [  # ffmpeg below 7.1 converts to the colours that it is told of by "scale" only
+        command = [  # ffmpeg below 7.1 converts to the colours given by "scale" only
             *(encoder, "-loglevel", "error"),
             *("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate),
             *("-i", "-", "-vf", f"scale=out_color_matrix={_COLOURS}:out_range=tv"),
@@ -124,8 +124,8 @@ def check_video() -> str:
         return video.get_ffmpeg_exe()
     except RuntimeError:
         raise MissingExtraError(
-            "ffmpeg is not installed; run: pip install 'habilis[video]', or let "
-            "IMAGEIO_FFMPEG_EXE name it"
+            "ffmpeg is not installed; run: pip install 'habilis[video]', or set "
+            "IMAGEIO_FFMPEG_EXE to its path"
         ) from None
 
 
