@@ -167,7 +167,7 @@ def _check_place(question: _Question) -> None:
 
 
 def _check_map(room: _Room, other: _Room, rule: Tool) -> None:
-    """What happens in the same cells of a wider or narrower map is the same."""
+    """The same cells of a wider or narrower map have the same results."""
     for question, there in zip(room.questions(rule), other.questions(rule), strict=True):
         cells, results = _coordinates(question)
         other_cells, other_results = _coordinates(there)
@@ -198,7 +198,7 @@ def _coordinates(question: _Question) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_attached(room: _Room, rule: Tool) -> None:
-    """What is called attached goes where the tool goes, and stays attached."""
+    """An attached object goes where the tool goes, and stays attached."""
     grid = room.grid
     agent, _, thing = room.placements
     attached = _Question(room, rule, "attached").ask()

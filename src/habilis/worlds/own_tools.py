@@ -96,7 +96,7 @@ def beside(folder: Path, name: str) -> str:
 
 
 def failure(error: BaseException) -> str:
-    """What went wrong in somebody's code, in one line, and where in it."""
+    """An error in somebody's code, in one line, and its place in it."""
     frames = traceback.extract_tb(error.__traceback__)[1:]
     places = [(f.filename, f.lineno) for f in frames if "importlib" not in f.filename]
     if isinstance(error, SyntaxError):

@@ -245,7 +245,7 @@ UNBOUND = ("picker", "broom")
 
 
 def name_of(tool: Tool) -> str:
-    """What a tool is called: a built-in one by its kind, one's own as "module:Class"."""
+    """The name of a tool: a built-in one's kind, or "module:Class" for one's own."""
     for kind, known in TOOLS.items():
         if type(tool) is type(known):
             return kind

@@ -197,8 +197,7 @@ class World:
             ValueError: no such tool or object, it is not said which, or a cell that is not free.
 
         Example:
-            >>> world = World.parse("R = rake
-        A.PRCG")
+            >>> world = World.parse("R = rake\nA.PRCG")
             >>> world.with_cells(agent=(0, 2), tool={"picker": (0, 1)}).rows
             ('.PARCG',)
         """
@@ -378,7 +377,7 @@ def _source(name: str | Path) -> tuple[str, str, Path | None]:
 
 
 def _not_a_world(name: str, error: Exception) -> str:
-    """What is wrong with a name, and what to name instead."""
+    """The problem with a name, and what to name instead."""
     known = f"name one of {', '.join(world_names())}, or the path of a map file"
     if "\n" in name:
         return f"no such world (this is the text of a map); {known} (World.parse reads map text)"
