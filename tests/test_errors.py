@@ -17,17 +17,17 @@ from habilis.worlds.reach import reachable
 MAP = "A.P.\n..C.\n...G\n"
 
 ABOVE = [
-    ("P =", "line 1: 'P =' binds nothing; write one character, '=' and what it stands for"),
+    ("P =", "line 1: 'P =' binds nothing; write one character, '=' and its meaning"),
     ("P =    ", "line 1: 'P =' binds nothing"),
     ("= picker", "line 1: '= picker' binds nothing"),
     ("PP = picker", "line 1: 'PP' is not one character"),
     ("; a comment\nPick = picker", "line 2: 'Pick' is not one character"),
     ("P = PICKER", "line 1: 'P' is bound to 'PICKER', which is unknown; bind it to a tool"),
     ("P == picker", "line 1: 'P' is bound to '= picker', which is unknown"),
-    ("drop:", "line 1: 'drop:' is no setting; the only one is 'drop: true'"),
-    ("drop = true", "line 1: 'drop = true' is no setting; the only one is 'drop: true'"),
-    ("Drop: true", "line 1: 'Drop: true' is no setting"),
-    ("drop: true false", "line 1: 'drop: true false' is no setting"),
+    ("drop:", "line 1: 'drop:' is not a setting; the only one is 'drop: true'"),
+    ("drop = true", "line 1: 'drop = true' is not a setting; the only one is 'drop: true'"),
+    ("Drop: true", "line 1: 'Drop: true' is not a setting"),
+    ("drop: true false", "line 1: 'drop: true false' is not a setting"),
     ("slip: 0.1", "line 1: setting 'slip' is unknown"),
     ("p = picker", "line 1: 'p' is bound to 'picker' but is not on the map .the map has 'P'"),
     ("R = rake", "line 1: 'R' is bound to 'rake' but is not on the map; put it on a floor cell"),
@@ -158,7 +158,7 @@ FLAGS = {"max_gib": "--max-gib", "method": "--method", "slip": "--slip", "runs":
         ("slip is 2; give less", "--slip is 2; give less"),
         ("point 1: runs is 0", "point 1: --runs is 0"),
         ("a slip is a fall, and runs is 0", "a slip is a fall, and --runs is 0"),
-        ("/tmp/max_gib/slip: is no folder", "/tmp/max_gib/slip: is no folder"),
+        ("/tmp/max_gib/slip: is not a folder", "/tmp/max_gib/slip: is not a folder"),
         ("'max_gib' is a file", "'max_gib' is a file"),
         ("max_gib.txt is a file", "max_gib.txt is a file"),
         ("go on with --max_gib", "go on with --max_gib"),
@@ -169,7 +169,7 @@ def test_arguments_are_named_by_their_options_on_the_command_line(message: str, 
     assert in_flags(message, FLAGS) == said
 
 
-def test_an_argument_that_python_lacks_too_is_not_said_to_be_there():
+def test_an_argument_that_python_lacks_too_is_not_suggested():
     assert in_flags("draw with seed=3 or key=4", FLAGS, ("seed",)) == (
         "draw with seed=3 or key=4 (in Python)"
     )

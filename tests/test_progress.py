@@ -26,7 +26,7 @@ from habilis.worlds.rules import Grid
 
 @pytest.fixture
 def terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Standard error as a terminal, on which nobody waits for a bar."""
+    """Standard error as a terminal, with an immediate progress bar."""
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(progress, "PATIENCE", 0.0)

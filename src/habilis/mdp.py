@@ -440,8 +440,8 @@ class TabularMDP:
             return meant[0]
         problem = "could be several things" if meant else "is unknown"
         known = ", ".join([*besides, *self.factors]) or "none"
-        mend = f"use one of {known}" if besides else f"this MDP has: {known}"
-        raise ValueError(f"{what} {name!r} {problem}; {mend}")
+        fix = f"use one of {known}" if besides else f"this MDP has: {known}"
+        raise ValueError(f"{what} {name!r} {problem}; {fix}")
 
     def is_cell(self, name: str) -> bool:
         """Whether a factor's labels are cells of a map.

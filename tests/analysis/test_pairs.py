@@ -222,7 +222,7 @@ def test_the_picture_has_the_matrix_and_a_panel_of_curves_for_each_object(found)
             np.testing.assert_array_equal(line.get_ydata(), found.averages[:, row, column])
 
 
-def test_curves_are_told_apart_by_more_than_colour():
+def test_curves_are_distinguishable_by_more_than_colour():
     tools, ones = tuple(f"tool{n}" for n in range(20)), np.ones((20, 1))
     rest = ones.astype(int), ones, ones, ones, ones
     many = Pairs(tools, ("can",), np.ones((2, 20, 1)), *rest)

@@ -266,7 +266,7 @@ def test_train_watch_and_what_they_leave(capsys, tmp_path):
         (["futures", "yard", "--horizon", "1", "--out", "f.png"], "a picture needs cells"),
         (["train", "yard", "--runs", "0", "--out", "run"], "runs is 0; give at least 1"),
         (["train", "yard", "--intrinsic", "smell", "--beta", "1", "--out", "run"], "smell"),
-        (["train", "yard", "--intrinsic", "object", "--out", "run"], "give both what is added"),
+        (["train", "yard", "--intrinsic", "object", "--out", "run"], "give both the reward"),
         (["train", "yard", "--seed", "9" * 25, "--out", "run"], "give one below"),
         (["train", "yard", "--hidden", "a", "--out", "run"], "not a list of widths"),
         (["train", "yard", "--runs", "1", "--out", "x" * 300], "the name is too long"),

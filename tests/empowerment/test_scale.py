@@ -109,7 +109,7 @@ def test_the_window_is_what_is_used_on_a_large_map(monkeypatch: pytest.MonkeyPat
     assert [window.words for window in used] == [1]  # of 21 for all 1,296 cells
 
 
-def test_more_cells_than_bits_are_worth_are_counted_forward():
+def test_too_many_cells_for_packed_bits_are_counted_forward():
     # 100 x 100 cells; the thing may be anywhere one action later: no window, too many labels.
     states = 5000
     rng = np.random.default_rng(0)

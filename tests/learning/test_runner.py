@@ -122,7 +122,7 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
 
 
 @pytest.mark.parametrize(
-    ("field", "value", "mend"),
+    ("field", "value", "fix"),
     [
         ("runs", 0, "runs is 0; give at least 1"),
         ("horizon", -1, "horizon is -1; give at least 0"),
@@ -137,8 +137,8 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         ("entropy", float("inf"), "give a finite number"),
         ("seed", 2**32, "give one below 4294967296"),
         ("world", 3, "give a string"),
-        ("beta", 0.1, "give both what is added and its weight"),
-        ("intrinsic", "object", "give both what is added and its weight"),
+        ("beta", 0.1, "give both the reward and its weight"),
+        ("intrinsic", "object", "give both the reward and its weight"),
         ("hidden", (), "at least one width"),
         ("rollout", 1000, "no longer than an episode"),
         ("envs", 10**20, "give at most 2,000,000,000"),
@@ -147,8 +147,8 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         ("tool", 5, "give its name"),
     ],
 )
-def test_a_setting_out_of_range_is_refused(field, value, mend):
-    with pytest.raises(ValueError, match=mend):
+def test_a_setting_out_of_range_is_refused(field, value, fix):
+    with pytest.raises(ValueError, match=fix):
         Config().changed(**{field: value})
 
 

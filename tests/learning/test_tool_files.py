@@ -93,7 +93,7 @@ def test_with_a_tool_that_does_something_else_a_run_is_refused(verb, begun, fold
     before = contents(begun)
     command = train("--resume") if verb == "train" else [verb, "run"]
     assert main(command) == 2
-    assert "rake.py:Rake' did something else; restore the tool's file" in said(capsys)
+    assert "rake.py:Rake'; restore the tool's file" in said(capsys)
     assert contents(begun) == before
     change(folder, "")
     assert main([*command, "--json"]) in (0, 1)
@@ -103,7 +103,7 @@ def test_a_finished_run_is_refused_with_a_tool_that_does_something_else(folder):
     assert main(train()) == 0
     change(folder, OTHER)
     assert main(train("--resume")) == 2
-    with pytest.raises(ValueError, match="did something else"):
+    with pytest.raises(ValueError, match="another rule of the tool"):
         load_run("run")
 
 
@@ -118,7 +118,7 @@ def test_without_the_tools_file_it_is_named(begun, folder, capsys):
     assert "damaged" not in error
 
 
-def test_a_folder_that_does_not_tell_the_table_is_read(begun):
+def test_a_folder_without_the_digest_of_its_table_is_read(begun):
     config = json.loads((begun / "config.json").read_text())
     assert len(config["map"].pop("table")) == 32
     (begun / "config.json").write_text(json.dumps(config))
@@ -182,7 +182,7 @@ def test_what_was_swept_with_another_rule_is_trained_again(folder):
     assert tasks_of(config)[0].name == first.name
     change(folder, OTHER)
     assert tasks_of(config)[0].name != first.name
-    with pytest.raises(ValueError, match=r"sweep: was begun when the tool .* did something else"):
+    with pytest.raises(ValueError, match=r"sweep: was started with another rule of the tool"):
         results("sweep")
     sweep([config], "sweep", resume=True)
     assert len(list((folder / "sweep" / LAYOUT.results).iterdir())) == 2

@@ -90,7 +90,7 @@ def test_difference_counts_what_is_drawn_and_forgives_turns():
     assert difference(world, World.parse("#A.\nPC#\n.G.\n")) == pytest.approx(2 / 7)
 
 
-def test_rooms_and_walls_alone_are_told():
+def test_only_rooms_and_walls_are_reported():
     assert one_room(World.parse("##A\nPCG\n"))
     assert not one_room(World.parse("A##\nC.#\n###\nP.G\n"))
     assert walls_alone(World.parse("##A\nPCG\n")) == 0
@@ -207,7 +207,7 @@ def test_the_command_searches_under_another_reading(tmp_path, capsys):
     assert '--reading "pushes sweeps" --over reachable' in path.read_text()
 
 
-def test_a_number_that_no_map_meets_is_told(tmp_path, capsys):
+def test_a_number_that_no_map_meets_is_reported(tmp_path, capsys):
     (tmp_path / "far.toml").write_text(EASY.replace("value = 7", "value = 700"))
     arguments = ["reconstruct", str(tmp_path / "far.toml"), "--attempts", "2", "--changes", "20"]
     assert main(arguments) == 1

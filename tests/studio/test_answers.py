@@ -1,4 +1,4 @@
-"""What the studio answers is what the library says."""
+"""The studio's answers agree with the library."""
 
 import re
 
@@ -20,7 +20,7 @@ def values(answer):
     return np.array([[np.nan if v is None else v for v in row] for row in answer["landscape"]])
 
 
-def test_a_page_is_told_what_there_is(there):
+def test_a_page_gets_the_available_choices(there):
     assert there.hello["version"] == hb.__version__
     assert there.hello["tools"] == [*TOOLS, "none"]
     assert there.hello["objects"] == ["can", "ball", "crate"]
@@ -70,7 +70,7 @@ def test_actions_are_those_that_are_chosen(there, actions, indices):
     assert np.array_equal(values(answer), wanted, equal_nan=True)
 
 
-def test_chosen_cells_are_told_apart_and_all_others_are_one(there):
+def test_chosen_cells_are_distinguished_and_all_others_are_one(there):
     mdp = hb.tabulate(WALLED)
     cells = [mdp.label((1, 2)), mdp.label((1, 3))]
     labels = np.where(np.isin(mdp.factor("object"), cells), mdp.factor("object"), -1)
@@ -83,7 +83,7 @@ def test_chosen_cells_are_told_apart_and_all_others_are_one(there):
     assert sum(probability.values()) + seen["elsewhere"] == pytest.approx(1)
 
 
-def test_chance_has_its_part_in_a_landscape(there):
+def test_a_landscape_may_be_stochastic(there):
     world = WALLED.with_tool("none")
     progress, answer = [], {}
     number = there.send("measure", scene=scene(world, sensor="object", horizon=2, slip=0.2))
@@ -128,7 +128,7 @@ def test_a_map_without_a_tool_has_the_average_of_the_bare_agent(there):
     assert averages == compare(world, ["none"], 2)
 
 
-def test_a_tool_that_nobody_could_hold_has_no_average(there):
+def test_a_tool_that_cannot_be_held_has_no_average(there):
     world = hb.World.parse("A#P#\n#C##\n####\n###G").with_tool("picker")
     averages, whys = {}, set()
     for answer in there.answers(there.send("measure", scene=scene(world))):
@@ -146,7 +146,7 @@ def test_what_takes_too_long_says_so_in_the_words_of_the_page(there):
     assert re.fullmatch(r"with slip, 9 steps ahead take too long here; up to \d do not", refusal)
 
 
-def test_averages_are_exact_where_chance_has_a_part_in_a_small_world(there):
+def test_averages_of_a_small_stochastic_world_are_exact(there):
     world = hb.World.parse("AP..\n.C..\n...G\n####")
     found = told(there, scene(world, horizon=2, slip=0.2), tools=len(TOOLS) + 1)
     wanted = compare(world, [*TOOLS, "none"], 2, slip=0.2)
@@ -158,7 +158,7 @@ def test_averages_are_exact_where_chance_has_a_part_in_a_small_world(there):
 
 
 def told(there, asked: dict, tools: int) -> dict[str, dict]:
-    """What comes of averages, until all tools have one."""
+    """The averages, once all tools have one."""
     found: dict[str, dict] = {"averages": {}, "within": {}, "verdicts": {}}
     for answer in there.answers(there.send("measure", scene=asked)):
         for name, known in found.items():
@@ -205,7 +205,7 @@ def test_the_shortest_plan_is_the_librarys_and_stepping_through_it_ends_at_the_g
         )
 
 
-def test_no_action_asks_what_a_placement_is_worth(there):
+def test_no_action_requests_the_bits_of_a_placement(there):
     at = {"agent": [0, 0], "tool": [0, 1], "object": [1, 2]}
     answer = there.ask("step", scene=scene(WALLED, sensor="object"), placement=at, action=None)
     assert answer["placement"] == at
@@ -252,7 +252,7 @@ def test_a_newer_request_overtakes_an_older_one_of_its_kind_and_no_other(there):
         ({"colour": 1}, "scene has 'colour', which is unknown"),
     ],
 )
-def test_what_is_wrong_with_a_scene_is_said_in_the_librarys_words(there, change, words):
+def test_an_invalid_scene_gets_the_librarys_error(there, change, words):
     answer = there.ask("measure", scene=scene(WALLED) | change)
     assert words in answer["error"]
     assert "\n" not in answer["error"]

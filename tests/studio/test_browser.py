@@ -358,7 +358,7 @@ def test_a_link_has_what_hardly_fails_and_tools_of_any_path(browser: Browser, tm
         other.close()
 
 
-def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
+def test_pointing_at_a_cell_marks_its_reachable_futures(page: Page):
     page.mouse.move(*middle(page, LANDSCAPE, (8, 4)))
     marks = page.locator(f"{LANDSCAPE} .mark")
     expect(marks.first).to_be_visible()
@@ -376,9 +376,7 @@ def test_pointing_at_a_cell_marks_what_could_be_brought_about(page: Page):
     expect(marks).to_have_count(0)
 
 
-def test_a_tap_on_a_cell_marks_what_could_be_brought_about_until_the_next(
-    browser: Browser, address: str
-):
+def test_a_tap_on_a_cell_marks_its_reachable_futures_until_the_next(browser: Browser, address: str):
     with browser.new_context(viewport=SIZE, has_touch=True) as context:
         page = context.new_page()
         page.goto(address)
@@ -664,7 +662,7 @@ SCROLLED = """() => {
 
 
 def at_each_size(page: Page, script: str) -> list[object]:
-    """What a script says of the page at each size of SIZES; the page then has the first again."""
+    """A script's result at each size of SIZES; the page then has the first again."""
     found = []
     for width, height in (*SIZES[1:], SIZES[0]):
         page.set_viewport_size({"width": width, "height": height})
@@ -773,7 +771,7 @@ def test_a_training_that_is_kept_goes_by_the_name_of_its_folder(browser: Browser
         page.close()
 
 
-def test_a_training_is_listed_again_after_the_page_is_loaded_anew(browser: Browser):
+def test_a_training_is_listed_again_after_a_reload(browser: Browser):
     pytest.importorskip("jax")
     with served() as address:  # of its own: other pages list what is trained here, too
         page = browser.new_page(viewport=SIZE)
@@ -851,13 +849,13 @@ def test_what_a_folder_has_is_listed_by_the_next_studio_and_what_is_damaged_says
         page.close()
 
 
-def test_what_training_refuses_is_said_in_the_library_s_words(page: Page):
+def test_refused_training_settings_get_the_librarys_error(page: Page):
     pytest.importorskip("jax")
     page.locator("#tab-train").click()
     page.locator("#beta").fill("0")
     page.locator("#start").click()
     expect(page.locator(".training .fault")).to_contain_text(
-        "give both what is added and its weight, or neither"
+        "give both the reward and its weight, or neither"
     )
     drawn = page.locator(".training").first.get_by_role("checkbox", name="Draw:")
     expect(drawn).not_to_be_checked()  # there is nothing to draw
@@ -917,7 +915,7 @@ def test_a_trained_folder_is_acted_out_at_once(browser: Browser, tmp_path: Path)
         page.close()
 
 
-def test_a_tool_of_one_s_own_is_drawn_chosen_and_measured(browser: Browser):
+def test_a_custom_tool_is_drawn_chosen_and_measured(browser: Browser):
     rake = f"{EXAMPLES / 'rake.py'}:Rake"
     with served("--tool", rake) as address:
         page = browser.new_page(viewport=SIZE)

@@ -116,7 +116,7 @@ def test_folders_that_are_damaged_are_listed_with_what_is_wrong(kept, tmp_path):
     assert "config.json: is damaged" in found.pop("config")["error"]
     assert "world.txt: is damaged" in found.pop("world")["error"]
     assert "summary.json: is damaged" in found.pop("summary")["error"]
-    assert "best_return is no finite number" in found.pop("endless")["error"]
+    assert "best_return is not a finite number" in found.pop("endless")["error"]
     assert "ended before its first checkpoint" in found.pop("begun")["error"]
     assert found.pop("a name\nin two lines")["ended"]
     assert not found

@@ -117,7 +117,7 @@ def test_a_tool_that_fails_now_and_then_fails_in_play_and_in_the_landscape(there
     )
     at = {"agent": [1, 1], "tool": [1, 2], "object": [1, 3]}
     ends = [there.ask("step", scene=asked, placement=at, action=1)["ended"] for _ in range(40)]
-    assert 5 < sum(ends) < 35  # by chance wrong once in a hundred million runs
+    assert 5 < sum(ends) < 35  # fails once in a hundred million runs
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_a_tool_that_fails_now_and_then_fails_in_play_and_in_the_landscape(there
         ({"drop": 1}, "drop is 1; give true or false"),
     ],
 )
-def test_what_is_wrong_with_a_drawing_is_said(there, change, words):
+def test_an_invalid_drawing_is_reported(there, change, words):
     asked = drawn(WORLD)
     asked["drawn"] |= change | ({"drop": False} if "tools" in change else {})
     assert words in there.ask("landscape", scene=asked)["error"]

@@ -166,7 +166,7 @@ def test_a_page_trains_one_thing_at_a_time_and_measures_meanwhile(there):
         ({"hidden": [60_000]}, "settings has 'hidden', which is unknown"),
         ({"world": "/etc/passwd"}, "settings has 'world', which is unknown"),
         ({"algorithm": "dqn"}, "algorithm 'dqn' is unknown"),
-        ({"intrinsic": "object"}, "give both what is added and its weight, or neither"),
+        ({"intrinsic": "object"}, "give both the reward and its weight, or neither"),
         ({"beta": "much"}, "beta is 'much'; give a finite number"),
         ({"intrinsic": "smell", "beta": 1.0, "horizon": 1}, "'smell' is unknown"),
     ],

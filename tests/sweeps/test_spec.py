@@ -79,7 +79,7 @@ envs = [8, 16]
 
 
 @pytest.mark.parametrize(
-    ("text", "mend"),
+    ("text", "fix"),
     [
         (
             "[grid]\nbeat = [0.1]",
@@ -116,8 +116,8 @@ envs = [8, 16]
         ('[search]\nenvs = [8]\nminimise = ["x"]', r"minimise \['x'\] is unknown"),
     ],
 )
-def test_what_cannot_be_is_refused_in_one_line(read, text, mend):
-    with pytest.raises(ValueError, match=mend) as refusal:
+def test_what_cannot_be_is_refused_in_one_line(read, text, fix):
+    with pytest.raises(ValueError, match=fix) as refusal:
         read(text)
     assert "spec.toml: " in str(refusal.value)
     assert "\n" not in str(refusal.value)

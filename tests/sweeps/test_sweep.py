@@ -188,7 +188,7 @@ def test_a_result_that_comes_twice_is_kept_once(config, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "mend"),
+    ("change", "fix"),
     [
         ({"world": "nowhere"}, "point 1: nowhere: no such world"),
         (
@@ -199,9 +199,9 @@ def test_a_result_that_comes_twice_is_kept_once(config, tmp_path):
     ],
 )
 def test_what_cannot_be_trained_is_refused_before_anything_is_written(
-    config, tmp_path, change, mend
+    config, tmp_path, change, fix
 ):
-    with pytest.raises(ValueError, match=mend):
+    with pytest.raises(ValueError, match=fix):
         sweep([config, config.changed(**change)], tmp_path / "sweep")
     assert not (tmp_path / "sweep").exists()
 

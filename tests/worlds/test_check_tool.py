@@ -1,4 +1,4 @@
-"""What is no tool is refused by name, with the placement and the mend; what is one passes."""
+"""Invalid tools are refused with the placement and the fix; valid ones pass."""
 
 from pathlib import Path
 
@@ -118,7 +118,7 @@ def test_a_tool_passes(tool):
         ),
         pytest.param(
             broken(swing=lambda a, t, c, s: np.where(len(c) == 1, c + s, c)),
-            "swing answers otherwise when asked about one placement alone with agent (1, 0), ",
+            "swing returns another result for one placement alone with agent (1, 0), ",
             id="alone",
         ),
         pytest.param(
@@ -128,22 +128,23 @@ def test_a_tool_passes(tool):
         ),
         pytest.param(
             Remembers,
-            "carry answers otherwise when asked again with agent (2, 0), tool (1, 0)",
+            "carry returns another result when called again with agent (2, 0), tool (1, 0)",
             id="remembers",
         ),
         pytest.param(
             broken(carry=lambda a, t, c, s: np.where(c % 2 == 1, c + s, c)),
-            "carry answers otherwise one cell to the east with agent (1, 0), tool (0, 0), object ",
+            "carry returns another result one cell to the east with agent (1, 0), tool (0, 0), "
+            "object ",
             id="parity of the cell",
         ),
         pytest.param(
             broken(attached=lambda a, t, c: c // 12 == 4),
-            "attached answers otherwise one cell to the south with agent",
+            "attached returns another result one cell to the south with agent",
             id="one row",
         ),
         pytest.param(
             broken(carry=lambda a, t, c, s: np.where(c == t + 12, c + s, c)),
-            "carry answers otherwise on a map 13 columns wide with agent",
+            "carry returns another result on a map 13 columns wide with agent",
             id="another map's rows",
         ),
         pytest.param(
@@ -163,20 +164,20 @@ def test_a_tool_passes(tool):
         ),
         pytest.param(
             broken(attached=behind),
-            "carry leaves an object behind that is called attached with agent (2, 0), tool (1, 0), "
-            "object (0, 0), north; return thing + step",
+            "carry leaves behind an object that it reports as attached with agent (2, 0), tool "
+            "(1, 0), object (0, 0), north; return thing + step",
             id="left behind",
         ),
         pytest.param(
             broken(attached=behind, carry=lambda a, t, c, s: np.where(behind(a, t, c), c + s, c)),
-            "swing lets an object go that is called attached with agent (1, 0), tool (1, 1), "
-            "object (1, 2), north; move what is attached",
+            "swing releases an object that it reports as attached with agent (1, 0), tool (1, 1), "
+            "object (1, 2), north; keep an attached object attached",
             id="lets go",
         ),
     ],
 )
 @pytest.mark.ill_typed
-def test_what_is_no_tool_is_refused_with_the_placement_and_the_mend(tool, says):
+def test_invalid_tools_are_refused_with_the_placement_and_the_fix(tool, says):
     with pytest.raises(ValueError, match=r"^tool ") as caught:
         hb.check_tool(tool)
     assert says in str(caught.value)
@@ -186,7 +187,7 @@ def test_what_is_no_tool_is_refused_with_the_placement_and_the_mend(tool, says):
 
 @pytest.mark.parametrize("tool", [Plain(), Magnet(), *TOOLS.values()])
 def test_what_passes_does_the_same_on_every_map(tool: Tool):
-    """What `check_tool` promises, seen in tables: a map's margins change nothing."""
+    """The guarantee of `check_tool` in tables: a map's margins change nothing."""
     small = World.parse("A....\n.X...\n..C..\n....G\n".replace("X", "P")).with_tool(tool)
     wide = World.parse("#" * 9 + "\n##A....##\n##.P...##\n##..C..##\n##....G##").with_tool(tool)
     one, other = tabulate(small), tabulate(wide)

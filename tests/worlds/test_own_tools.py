@@ -205,22 +205,22 @@ def test_an_instance_with_arguments_can_be_named(folder):
         (
             "Rake.__init__ = lambda s, n: 0\n",
             "mytools.py:Rake",
-            "let it need no arguments, or name",
+            "give its arguments defaults, or name",
         ),
         ("Rake = 3\n", "mytools.py:Rake", "int has no method 'attached'"),
     ],
 )
-def test_what_is_no_tool_is_refused_in_a_line_with_the_mend(text, name, says, folder, capsys):
+def test_invalid_tools_are_refused_in_a_line_with_the_fix(text, name, says, folder, capsys):
     written(folder, text)
     assert says in refusal(name)
     assert main(["solve", "yard", "--tool", name]) == 2
     assert capsys.readouterr().err == f"habilis: {refusal(name)}\n"
 
 
-def test_the_line_that_fails_is_named_and_a_mended_file_is_read(folder):
+def test_the_line_that_fails_is_named_and_a_fixed_file_is_read(folder):
     lines = EXAMPLE.read_text().splitlines()
     written(folder, "1 / 0\n")
-    assert f"(mytools.py, line {len(lines) + 1}); mend the file" in refusal("mytools.py:Rake")
+    assert f"(mytools.py, line {len(lines) + 1}); fix the file" in refusal("mytools.py:Rake")
     written(folder, "")
     assert load_world("yard", tool="mytools.py:Rake").tools
 
@@ -240,7 +240,7 @@ def test_a_tool_is_given_as_itself_or_as_its_class():
         yard.with_tool(3)  # pyright: ignore[reportArgumentType]
 
 
-def test_worlds_with_tools_of_one_class_are_told_apart():
+def test_worlds_with_tools_of_one_class_are_distinguished():
     kind: type = type(tool_named(RAKE))
     one, other = load_world("yard", tool=kind()), load_world("yard", tool=kind())
     assert one.tool == other.tool
@@ -513,7 +513,7 @@ def test_the_page_about_it_runs_and_its_rake_is_the_example(folder, monkeypatch)
         [sys.executable, "-W", "error", "-c", "\n".join(blocks)], capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    assert "leaves an object behind that is called attached" in done.stdout
+    assert "leaves behind an object that it reports as attached" in done.stdout
     assert sorted(path.name for path in folder.iterdir()) == ["examples", "rake.py"]
 
 

@@ -906,7 +906,7 @@ WORLDS = rooms(sizes(range(2, 6), range(2, 6)), lambda cells: cells // 2)
 
 def is_as_ruled(world: World, mdp: TabularMDP, state: int) -> bool:
     placement = {name: cell_of(mdp, name, state) for name in mdp.factors}
-    over = placement["object"] == world.goal  # what steps cost after the end is nobody's business
+    over = placement["object"] == world.goal  # rewards after the end are irrelevant
     for action in range(len(mdp.actions)):
         to = int(mdp.next_state[state, action])
         found = {name: cell_of(mdp, name, to) for name in mdp.factors}

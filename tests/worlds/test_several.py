@@ -189,7 +189,7 @@ def test_a_tool_that_never_fails_is_as_without_saying_so():
     assert np.array_equal(one.next_state, other.next_state)
 
 
-def test_chance_replaces_actions_besides():
+def test_slip_replaces_actions_besides():
     world = hb.World.parse("P = picker slip 0.25\n.APC.G\n......")
     mdp = hb.tabulate(world, slip=0.1)
     intended, chance = hb.tabulate(world), 0.1 / 8
@@ -260,7 +260,7 @@ def test_too_many_placements_are_refused_in_a_line():
         hb.tabulate(crowded)
 
 
-def test_every_state_can_be_said_in_words():
+def test_every_state_has_a_description():
     world = hb.World.parse("R = rake\ndrop: true\nAP..\n.C.R\n...G\n####")
     mdp = hb.tabulate(world)
     names = [*start_of(world), "held", "laid"]
@@ -293,7 +293,7 @@ def test_hands_that_there_are_not_are_refused(hands, message):
         ("D = ball slip 0.2", "line 1: 'D' is bound to a ball with slip; only tools may fail"),
     ],
 )
-def test_what_is_said_twice_or_of_the_wrong_thing_is_refused(above, message):
+def test_what_is_given_twice_or_for_the_wrong_thing_is_refused(above, message):
     with pytest.raises(ValueError, match=message):
         hb.World.parse(f"{above}\nAP.CG")
 

@@ -1,4 +1,4 @@
-"""Maps are read cell by cell; what is wrong with one is said with its place and the mend."""
+"""Maps are read cell by cell; what is wrong with one is said with its place and the fix."""
 
 import string
 from dataclasses import replace
@@ -97,7 +97,7 @@ def test_a_written_map_reads_back_as_the_same_world(rows: list[str]):
 
 
 @pytest.mark.parametrize(
-    ("text", "place", "mend"),
+    ("text", "place", "fix"),
     [
         pytest.param("A.CG\n...\n....", "line 2, column 4", "equally long", id="a short row"),
         pytest.param("A.CG\n.....\n....", "line 2, column 5", "equally long", id="a long row"),
@@ -118,10 +118,10 @@ def test_a_written_map_reads_back_as_the_same_world(rows: list[str]):
         pytest.param("; A.CG\n;", "empty", "draw at least one row", id="comments alone"),
     ],
 )
-def test_a_malformed_map_is_refused_with_its_place_and_the_mend(text: str, place: str, mend: str):
+def test_a_malformed_map_is_refused_with_its_place_and_the_fix(text: str, place: str, fix: str):
     message = refusal(text, name="hall")
     assert place in message
-    assert mend in message
+    assert fix in message
     assert "\n" not in message
 
 
@@ -137,7 +137,7 @@ def test_of_two_of_a_kind_both_places_are_named(text: str, what: str):
     assert f"line 2, column {first + 3}" in message
 
 
-def test_a_ragged_row_is_told_both_lengths():
+def test_the_error_of_a_ragged_row_has_both_lengths():
     message = refusal("A.CG\n......")
     assert "6 cells" in message
     assert "4" in message
@@ -350,7 +350,7 @@ def test_things_are_put_into_other_cells_by_their_names():
 @pytest.mark.parametrize(
     ("where", "says"),
     [
-        ({"object": (0, 0)}, "several objects, can, can2; say which is at .* as can=0,0"),
+        ({"object": (0, 0)}, "several objects, can, can2; specify which is at .* as can=0,0"),
         ({"object": {"tin": (0, 0)}}, "map has no object 'tin'; name one of can, can2"),
         ({"tool": {"rake": (1, 0)}}, "share a cell"),
     ],

@@ -45,7 +45,7 @@ _BARE, _DOTTED = "#5b6270", ":"
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """What an agent with each tool could do to each object.
+    """Average object empowerment with each tool over each object, and further measures.
 
     A pair is the world with that tool and that object alone. Its averages, and all that is said
     of it here, go over all placements with the tool in hand or, for "none", over all placements.
@@ -170,7 +170,7 @@ class Pairs:
 
 
 MEASURES = ("range", "latency", "median_latency", "persistence", "reliability")
-"""What is said of a pair besides its averages, by the names of the attributes."""
+"""The measures of a pair besides its averages, by attribute name."""
 
 
 @takes_old_keywords
@@ -246,7 +246,7 @@ def pairs(
 
 @dataclass(frozen=True)
 class _Pair:
-    """What is found of one pair; see `Pairs`."""
+    """The results for one pair; see `Pairs`."""
 
     averages: Float64[np.ndarray, "horizons"]
     range: int
@@ -280,7 +280,7 @@ def _measured(pair: World, horizon: int, slip: float, options: Options) -> _Pair
 
 
 def _dynamics(pair: World) -> object:
-    """What a pair's measures depend on: they go over all placements, wherever things start."""
+    """The data that a pair's measures depend on: all placements, not the start."""
     tools = tuple((id(tool.rule), tool.slip, tool.reading) for tool in pair.tools)
     return tools, pair.objects[0].kind
 

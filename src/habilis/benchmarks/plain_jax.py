@@ -1,4 +1,4 @@
-"""What a user of JAX writes today: everything computed anew in every step, in the usual way.
+"""A conventional JAX implementation, which recomputes everything in every step.
 
 Advantage actor-critic as in single-file JAX libraries: the world's rules are arithmetic on
 coordinates, observations are one-hot vectors into dense layers, actions come from

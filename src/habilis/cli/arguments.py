@@ -14,7 +14,7 @@ Args = argparse.Namespace
 
 PREFIX = ENVIRONMENT
 
-TOOLS = "picker, broom, rake, stick, magnet, none or one of your own as FILE.py:CLASS"
+TOOLS = "picker, broom, rake, stick, magnet, none or your own as FILE.py:CLASS"
 
 
 def add_world(parser: argparse.ArgumentParser, or_environment: bool = False) -> None:
@@ -81,7 +81,9 @@ def add_tolerance(parser: argparse.ArgumentParser) -> None:
 
 
 def add_limits(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--max-gib", type=float, default=8.0, help="memory limit (default 8)")
+    parser.add_argument(
+        "--max-gib", type=float, default=8.0, help="memory limit in GiB (default 8)"
+    )
     parser.add_argument(
         "--max-seconds", type=float, default=3600.0, help="time limit (default 3600)"
     )
@@ -145,7 +147,7 @@ def cells_of(world: World, kind: str, places: list[tuple[str, Cell]] | None) -> 
     if "" not in where:
         return where
     if len(where) > 1:
-        raise ValueError(f"--{kind}-at has {where['']} without a name; say which, as NAME=1,2")
+        raise ValueError(f"--{kind}-at has {where['']} without a name; specify which, as NAME=1,2")
     return where[""]
 
 

@@ -50,9 +50,9 @@ def run(args: Args) -> int:
     if args.pairs:
         return _run_pairs(args)
     if args.out:
-        raise ValueError("--out is for what --pairs finds; add --pairs, or leave out --out")
+        raise ValueError("--out is for the results of --pairs; add --pairs, or leave out --out")
     if args.horizon is None:
-        raise ValueError("no number of actions; give --horizon, as --horizon 3")
+        raise ValueError("no horizon; give --horizon, such as --horizon 3")
     world = load_world(args.world)
     if len(world.objects) > 1:
         named = ", ".join(thing.name for thing in world.objects)

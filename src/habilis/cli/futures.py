@@ -26,7 +26,7 @@ from habilis.worlds.placements import start_of
 from habilis.worlds.reach import reachable
 from habilis.worlds.world import load_world
 
-HELP: str = "the action sequences worth choosing among, from the map's start"
+HELP: str = "the distinguishable action sequences, from the map's start"
 EXAMPLE: str = "habilis futures yard --sensor object --horizon 3 --agent-at 8,5 --tool-at 8,4"
 
 

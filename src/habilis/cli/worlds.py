@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Args) -> int:
     if args.name is None:
         if args.tool is not None or args.out is not None:
-            raise ValueError("no world to draw; give its name besides --tool or --out")
+            raise ValueError("no world to draw; give its name with --tool or --out")
         listed = [load_world(name) for name in world_names()]
         if args.json:
             return print_json({"worlds": [world.name for world in listed]})

@@ -115,7 +115,7 @@ class Config:
             )
         if (self.intrinsic == NO_INTRINSIC) != (self.beta == 0):
             raise ValueError(
-                f"intrinsic is {self.intrinsic!r} and beta {self.beta:g}; give both what is added "
+                f"intrinsic is {self.intrinsic!r} and beta {self.beta:g}; give both the reward "
                 "and its weight, or neither"
             )
 

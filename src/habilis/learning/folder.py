@@ -129,7 +129,7 @@ def read_world(folder: Path) -> World:
 
 
 def read_summary(folder: Path, config: Config) -> dict[str, Any]:
-    """What came of a run: `best_return` and `converged_at`.
+    """The outcome of a run: `best_return` and `converged_at`.
 
     Raises:
         ValueError: it is missing or damaged.
@@ -150,8 +150,9 @@ def check_same_table(world: World, digest: str | None, folder: Path) -> None:
     """
     if digest is not None and digest_of_own_tool(world) != digest:
         raise ValueError(
-            f"{folder}: was begun when the tool {' or '.join(map(repr, world.own_tools))} did "
-            "something else; restore the tool's file as it was, or train into a new folder"
+            f"{folder}: was started with another rule of the tool "
+            f"{' or '.join(map(repr, world.own_tools))}; restore the tool's file, or train into a "
+            "new folder"
         )
 
 
@@ -172,7 +173,7 @@ def load_run(folder: str | Path) -> Run:
     check_path(folder)
     config, world = read_config(folder), read_world(folder)
     if checkpoints.checkpoints(folder) and not is_finished(folder):
-        raise ValueError(f"{folder}: the run has not ended; go on with it by train --resume")
+        raise ValueError(f"{folder}: the run has not ended; continue it with train --resume")
     summary = read_summary(folder, config)
     return Run(
         config=config,
@@ -251,7 +252,7 @@ def _summary(path: Path, config: Config) -> dict[str, Any]:
         raise ValueError(f"converged_at has no entry for each of the {config.runs} runs")
     best = summary["best_return"]
     if not isinstance(best, int | float) or not np.isfinite(best):
-        raise ValueError("best_return is no finite number")
+        raise ValueError("best_return is not a finite number")
     return summary
 
 

@@ -1,4 +1,4 @@
-"""How each request is answered, in steps."""
+"""Answers to requests about a scene."""
 
 import asyncio
 import time
@@ -16,8 +16,8 @@ from habilis.studio.pool import Pool, StepError
 from habilis.studio.scenes import Scene
 from habilis.worlds.world import NO_TOOL
 
-_SETTLED = 0.1  # seconds without an edit, before averages are begun that the next one would end
-_LONGEST_ESTIMATE = 10.0  # seconds after which an average is good enough
+_SETTLED = 0.1  # seconds without an edit before averages start, since an edit would cancel them
+_LONGEST_ESTIMATE = 10.0  # seconds after which an estimate is final
 _AT_ONCE = 8  # processes of a pool at most
 _QUICK_PATIENCE, _SLOW_PATIENCE = 0.3, 1.0
 
@@ -26,16 +26,16 @@ Grid = list[list[float | None]]
 
 @dataclass(frozen=True)
 class Pools:
-    """The processes that compute.
+    """The worker processes.
 
-    What somebody waits for with the mouse in hand has processes of its own, and goes first.
+    Interactive requests have processes of their own, and priority.
 
     Attributes:
         quick: for what takes milliseconds: a landscape, the futures of a cell, a step of play.
         slow: for what may take longer: averages over all placements, plans, and everything in a
             stochastic world.
-        learning: for what was learned. It is started when it is first needed, and none without the
-            extra `habilis[learn]`.
+        learning: for trained runs. It is started on first use, and never without the extra
+            `habilis[learn]`.
     """
 
     quick: Pool
@@ -65,14 +65,14 @@ class Pools:
 
 
 async def measure(pools: Pools, tools: tuple[str, ...], client: Client, request: Request) -> None:
-    """The landscape as soon as it is there, then the tools' averages one by one."""
+    """Sends the landscape as soon as it is computed, then the tools' averages one by one."""
     scene = _scene(request)
     await _landscape(pools, client, request.id, scene)
     await _averages(pools, tools, client, request.id, scene)
 
 
 async def landscape(pools: Pools, client: Client, request: Request) -> None:
-    """The landscape alone, perhaps with things elsewhere than on the map."""
+    """Sends the landscape alone, optionally for another placement of the things."""
     scene, at = _scene(request), request.values.get("placement")
     await _landscape(pools, client, request.id, scene if at is None else scene.with_things(at))
 
@@ -89,7 +89,7 @@ async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) ->
 
 
 async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) -> list[float]:
-    """A landscape of a stochastic table, some cells at a time."""
+    """A landscape of a stochastic table, computed in chunks of cells."""
 
     async def step(first: int, end: int) -> list[float]:
         found = await client.step(pools.slow, "stretch", scene=scene, first=first, end=end)
@@ -105,11 +105,11 @@ async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) ->
 async def _averages(
     pools: Pools, tools: tuple[str, ...], client: Client, number: int, scene: Scene
 ) -> None:
-    """What each tool is worth on average; where that cannot be said, why."""
+    """Sends the average with each tool, or the reason why there is none."""
     await asyncio.sleep(_SETTLED)
     if scene.world.tool_cell is None:
         tools = ()
-    # The tool in hand first, for it is what is looked at; then what it is compared with.
+    # The selected tool first, then none, with which it is compared.
     here = {tool.kind for tool in scene.world.tools} or {NO_TOOL}
     order = sorted([NO_TOOL, *tools], key=lambda tool: (tool not in here, tool != NO_TOOL))
     known: dict[str, Estimate] = {}
@@ -130,7 +130,7 @@ async def _averages(
 async def _average(
     pools: Pools, client: Client, scene: Scene, tool: str
 ) -> AsyncIterator[Estimate]:
-    """What a tool is worth: exactly, or where that takes too long, ever better."""
+    """The average with a tool: exact or, if that takes too long, estimates that improve."""
     found = await client.step(pools.slow, "average", scene=scene, tool=tool)
     if found["bits"] is not None:
         yield Estimate(found["bits"], 0.0, found["some"])
@@ -184,7 +184,7 @@ ANSWERS: dict[str, Callable[[Pools, Client, Request], Coroutine[Any, Any, None]]
 
 
 def _scene(request: Request) -> Scene:
-    assert request.scene is not None, "its message has one"
+    assert request.scene is not None, "validated with the message"
     return request.scene
 
 

@@ -1,7 +1,7 @@
-"""What is asked of the library, each in a step that is short enough to wait for.
+"""Steps about a scene, each short enough to wait for.
 
-Steps are functions of plain values, so that any process can do any of them; what they share (a
-scene's table) each process keeps for itself.
+Steps are functions of plain values, so that any worker can run any of them; each worker caches what
+they share (a scene's table).
 """
 
 import random
@@ -39,7 +39,7 @@ _LIMITS = Limits(GIB, SECONDS)
 _METHOD = Exact(threads=1, max_gib=GIB, max_seconds=SECONDS)
 _TOLERANCE = 1e-6  # bits
 _KEPT = 4  # tables of scenes
-_MOST = 3_000_000  # placements of several things that a plan looks over
+_MOST = 3_000_000  # placements that the search for a plan visits
 _MANY, _EXACT = 100, 5.0  # cells, seconds: beyond, an average over a stochastic table is estimated
 
 
@@ -67,7 +67,7 @@ def sampled(scene: Scene, tool: str, first: int, end: int) -> Answer:
 
 
 def average(scene: Scene, tool: str) -> Answer:
-    """What a tool, or none, is worth on average; `None` where that takes too long to be exact."""
+    """The average with a tool, or none; `None` if the exact one takes too long."""
     of_tool = scene.with_tool(tool)
     if of_tool.is_stochastic and len(of_tool.world.agent_cells) > _MANY:
         return {"bits": None}
@@ -82,7 +82,7 @@ def average(scene: Scene, tool: str) -> Answer:
 
 
 def choices(scene: Scene, agent: list[int]) -> Answer:
-    """What the agent could bring about from a cell."""
+    """The futures that the agent can reach from a cell."""
     mdp, states = _around(scene, [_at(scene, (agent[0], agent[1]))])
     state, sensor = int(states[0]), scene.sensed(mdp)
     found = futures(
@@ -107,7 +107,7 @@ def choices(scene: Scene, agent: list[int]) -> Answer:
 
 
 def plan(scene: Scene, at: Placement | None = None) -> Answer:
-    """A shortest plan from a placement, by default the map's, and what it passes through."""
+    """A shortest plan from a placement, by default the map's, with its placements."""
     world = check_certain(scene.world)
     if world.single:
         mdp = tabulate(world)
@@ -126,12 +126,12 @@ def plan(scene: Scene, at: Placement | None = None) -> Answer:
 
 
 def step(scene: Scene, at: Placement, action: int | None) -> Answer:
-    """What an action does in a placement, and what the placement reached is worth.
+    """The effect of an action in a placement, and the bits of the placement reached.
 
     Args:
         scene: the world, and what is measured.
-        at: where everything is, as the library has it.
-        action: its index; `None` stays where it is.
+        at: the placement, in the library's format.
+        action: its index; `None` stays.
     """
     world = scene.world
     mdp, states = reachable(world, at, 1)
@@ -157,13 +157,12 @@ def step(scene: Scene, at: Placement, action: int | None) -> Answer:
 
 
 def _within_reach(world: World, at: Placement) -> tuple[TabularMDP, int]:
-    """All that can be reached from a placement, and its state."""
+    """The table reachable from a placement, and the placement's state."""
     try:
         mdp, states = reachable(world, at, None, _MOST)
     except TooManyPlacementsError:
         raise ValueError(
-            f"more than {_MOST:,} placements can be reached; take things away, or make the map "
-            "smaller"
+            f"more than {_MOST:,} placements can be reached; remove things, or make the map smaller"
         ) from None
     return mdp, int(states[0])
 
@@ -179,12 +178,12 @@ def state_of(world: World, mdp: TabularMDP, at: Placement) -> int:
     for name in mdp.factors:
         same &= mdp.factor(name) == asked.factor(name)[states[0]]
     if not same.any():
-        raise ValueError("that cannot be reached from where episodes begin; put things elsewhere")
+        raise ValueError("that cannot be reached from where episodes start; put things elsewhere")
     return int(np.flatnonzero(same)[0])
 
 
 def placed(world: World, mdp: TabularMDP, state: int) -> dict[str, Any]:
-    """Where the things of a world are in a state, in the library's words."""
+    """The placement of a state, in the library's format."""
     names = [*start_of(world), *(name for name in (HELD, LAID) if name in mdp.factors)]
     found = {name: int(mdp.factor(name)[state]) for name in names}
     return {
@@ -194,7 +193,7 @@ def placed(world: World, mdp: TabularMDP, state: int) -> dict[str, Any]:
 
 
 def _words(at: dict[str, Any]) -> Placement:
-    """The same with cells as the library has them."""
+    """The placement with cells as tuples."""
     return {name: tuple(cell) if isinstance(cell, list) else cell for name, cell in at.items()}
 
 
@@ -203,7 +202,7 @@ def _at(scene: Scene, agent: tuple[int, int]) -> Placement:
 
 
 def _around(scene: Scene, places: list[Placement]) -> tuple[TabularMDP, np.ndarray]:
-    """What h actions from some placements can touch, and their states."""
+    """The table reachable from some placements with h actions, and their states."""
     mdp, states = reachable(scene.world, places, scene.horizon)
     return mdp.slippery(scene.slip), states
 
@@ -217,10 +216,10 @@ def _bits(scene: Scene, places: list[Placement]) -> np.ndarray:
 
 @lru_cache(_KEPT)
 def _everywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
-    """What the agent's cells have in common in a stochastic table.
+    """The problem shared by the agent's cells in a stochastic table.
 
     Raises:
-        TooMuchError: it takes longer than anybody waits.
+        TooMuchError: it takes too long.
     """
     problem, states = _uncertain(scene, [_at(scene, place) for place in scene.world.agent_cells])
     check_effort(problem, states, 1, _LIMITS)
@@ -229,10 +228,10 @@ def _everywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
 
 @lru_cache(_KEPT)
 def _anywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
-    """What placements drawn at random have in common in a stochastic table.
+    """The problem shared by random placements in a stochastic table.
 
     Raises:
-        TooMuchError: even a few take longer than anybody waits.
+        TooMuchError: even a few take too long.
     """
     problem, states = _uncertain(scene, random_placements(scene.world, DRAWN))
     check_effort(problem, states[:FEWEST], 1, _LIMITS)
@@ -253,7 +252,7 @@ def _each(problem: Problem, states: np.ndarray) -> list[float]:
 
 
 def _in_words(one: Callable[..., Answer]) -> Callable[..., Answer]:
-    """Says in the page's words, not in the library's, that something takes too long."""
+    """Reports in the page's terms that something takes too long."""
 
     @wraps(one)
     def step(*given: Any, **named: Any) -> Answer:
@@ -270,14 +269,14 @@ def _in_words(one: Callable[..., Answer]) -> Callable[..., Answer]:
 
 _ALL = (landscape, stretch, sampled, average, choices, plan, step)
 STEPS: dict[str, Callable[..., Answer]] = {one.__name__: _in_words(one) for one in _ALL}
-"""What a process may be asked to do, by name."""
+"""The steps that a worker can run, by name."""
 
 
 def prepare(background: bool) -> None:
-    """Loads, or compiles the first time, what steps need: so that the first is no slower.
+    """Loads or compiles what steps need, so that the first one is as fast as the others.
 
     Args:
-        background: whether for steps that may take long.
+        background: whether the worker runs long steps.
     """
     world = World.parse("AP..\n.C.G\n....\n....")
     for sensor in ("object", "state"):

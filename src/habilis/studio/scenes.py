@@ -1,4 +1,4 @@
-"""A scene: a world on the page, and what is measured in it."""
+"""A scene: a world on the page, and the question asked about it."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -21,21 +21,21 @@ from habilis.worlds.world import NO_TOOL, Cell, World
 SENSORS = ("state", "object", "tool", "agent", "cells")
 ACTIONS = {"all": None, "moves": (0, 1, 2, 3), "tool": (4, 5, 6, 7)}
 ELSEWHERE = -1
-"""What the sensor "cells" shows where the object is in none of the chosen cells."""
+"""The observation of the sensor "cells" if the object is in none of the chosen cells."""
 
-_MAP = "map"  # what the library's errors call it
+_MAP = "map"  # its name in the library's errors
 _MOST_CELLS = SIDES[1] ** 2
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A world on the page, and what is measured in it.
+    """A world on the page, and the question asked about it.
 
     Attributes:
-        world: with the tool that is chosen.
+        world: with the selected tool.
         sensor: one of `SENSORS`.
-        thing: which of its tools the sensor "tool" is of, which of its objects all others.
-        cells: those that the sensor "cells" tells apart.
+        thing: the index of the tool of the sensor "tool", or of the object of all others.
+        cells: those that the sensor "cells" distinguishes.
         horizon: in actions.
         actions: one of `ACTIONS`.
         slip: the probability that a random action replaces the chosen one.
@@ -54,17 +54,17 @@ class Scene:
         """A scene from a message.
 
         Args:
-            value: what the page sent.
+            value: the message's field.
             tools: the names of all tools.
 
         Raises:
-            ValueError: it is none, or beyond the limits; the message names what is wrong.
+            ValueError: the value is invalid, or exceeds the limits; the message says why.
         """
         given = _DEFAULTS | checked("scene", value, required=(), optional=tuple(_DEFAULTS))
         cells = given["cells"]
         if not isinstance(cells, list) or len(cells) > _MOST_CELLS:
             raise ValueError(
-                f"cells is no list of at most {_MOST_CELLS} cells, as [[0, 1], [2, 3]]"
+                f"cells is not a list of at most {_MOST_CELLS} cells, as [[0, 1], [2, 3]]"
             )
         if (given["map"] is None) == (given["drawn"] is None):
             raise ValueError("scene has no map; give it as text, map, or as drawn")
@@ -98,20 +98,20 @@ class Scene:
 
     @property
     def object(self) -> str:
-        """The name of the object that it is about."""
+        """The name of the observed object."""
         of = 0 if self.sensor == "tool" else self.thing
         return self.world.objects[of].name
 
     @property
     def placement(self) -> dict[str, Cell]:
-        """Where the map has everything."""
+        """The placement on the map."""
         return start_of(self.world)
 
     def with_things(self, at: Placement) -> "Scene":
         """The same scene with its things elsewhere.
 
         Raises:
-            ValueError: something is not on a free cell of its own.
+            ValueError: a thing is not on a free cell.
         """
         missing = [name for name in ("agent", *Factors.of(self.world).objects) if name not in at]
         unknown = [name for name in at if name not in self.placement and name not in _HANDS]
@@ -123,12 +123,12 @@ class Scene:
         return replace(self, world=placed_at(self.world, there))
 
     def with_tool(self, tool: str) -> "Scene":
-        """What averages are of: a tool, what all actions can do to the object with it."""
+        """The scene of a tool's average: all actions, observing the object."""
         world = held(self.world.with_object(self.object).with_tool(tool))
         return replace(self, world=world, sensor="object", thing=0, actions="all", cells=())
 
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":
-        """The sensor as the library takes it."""
+        """The sensor in the library's format."""
         if self.sensor == "tool" and self.world.tools:
             return Factors.of(self.world).tools[self.thing]
         if self.sensor == "object":
@@ -140,7 +140,7 @@ class Scene:
 
     @property
     def seen(self) -> str:
-        """The factor of the object that it is about."""
+        """The factor of the observed object."""
         return Factors.of(self.world).objects[0 if self.sensor == "tool" else self.thing]
 
 
@@ -173,7 +173,7 @@ def check_size(world: World) -> None:
 
 @lru_cache(256)
 def _read(drawn: str, tools: frozenset[str]) -> World:
-    """A world from map text whose lines name known tools only: the files of others would be run."""
+    """A world from map text that names known tools only: other files would be executed."""
     head, _ = header(map_lines(drawn, _MAP), _MAP)
     for line, said in head.bound.values():
         kind = said.partition(" slip ")[0].strip()

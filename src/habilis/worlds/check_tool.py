@@ -16,7 +16,7 @@ from habilis.worlds.tool_calls import Method, Placements, call, in_words, refusa
 from habilis.worlds.tools import Tool, drawing_of
 
 _HEIGHT, _WIDTH = 7, 8
-_OTHER_WIDTHS = (13, 3, 1)  # of maps that a tool must not tell from the first
+_OTHER_WIDTHS = (13, 3, 1)  # of maps on which a tool must behave as on the first
 _ONE_BY_ONE = 97  # placements are many: every so-manieth is asked about alone
 _MOVING: tuple[Method, ...] = ("carry", "swing")
 
@@ -29,7 +29,7 @@ def check_tool(tool: "str | type | Tool") -> None:
 
     Raises:
         ValueError: the first thing that is wrong, for which placement (cells as (row, column)),
-            and the mend, in one line. Checked are its character and drawing; the shapes and kinds
+            and the fix, in one line. Checked are its character and drawing; the shapes and kinds
             of what `attached`, `carry` and `swing` return, for many placements, one, and none;
             that they leave their arguments alone, answer each placement for itself, the same
             every time, and the same wherever on whatever map it is; that an object lands where
@@ -45,7 +45,7 @@ def check_tool(tool: "str | type | Tool") -> None:
         >>> check_tool(Careless)  # doctest: +ELLIPSIS
         Traceback (most recent call last):
         ...
-        ValueError: tool '...Careless': carry leaves an object behind that is called attached...
+        ValueError: tool '...Careless': carry leaves behind an object that it reports as attached...
     """
     rule = as_tool(tool)
     _check_drawing(rule)
@@ -101,9 +101,9 @@ class _Question:
         agent, tool, thing = placements or self.room.placements
         return call(self.room.grid, self.rule, self.method, (agent, tool, thing), *self.step)
 
-    def refuse(self, problem: str, mend: str, index: int) -> ValueError:
+    def refuse(self, problem: str, fix: str, index: int) -> ValueError:
         where = in_words(self.room.grid, self.room.placements, index, *self.step)
-        return refusal(self.rule, self.method, problem, mend, where)
+        return refusal(self.rule, self.method, problem, fix, where)
 
 
 def _check_drawing(rule: Tool) -> None:
@@ -128,8 +128,8 @@ def _check_none_and_one(question: _Question) -> None:
         alone = question.ask(*(c[index : index + 1] for c in question.room.placements))
         if alone[0] != together[index]:
             raise question.refuse(
-                "answers otherwise when asked about one placement alone",
-                "decide on each entry of the arrays by itself",
+                "returns another result for one placement alone",
+                "treat each entry of the arrays independently",
                 index,
             )
 
@@ -141,7 +141,7 @@ def _check_again(questions: "list[_Question]") -> None:
         again = question.ask(*(cells[::-1] for cells in question.room.placements))[::-1]
         if (again != first).any():
             raise question.refuse(
-                "answers otherwise when asked again",
+                "returns another result when called again",
                 "let nothing but its arguments decide: no random numbers, nothing remembered, and "
                 "each entry of the arrays by itself",
                 int(np.argmax(again != first)),
@@ -160,8 +160,8 @@ def _check_place(question: _Question) -> None:
         if (there != here).any():
             index = int(np.flatnonzero(kept)[np.argmax(there != here)])
             raise question.refuse(
-                "answers otherwise one cell to the " + ("south" if shift > 1 else "east"),
-                "work with differences of cells and with `step`, not with the cells' numbers",
+                "returns another result one cell to the " + ("south" if shift > 1 else "east"),
+                "use differences of cells and `step`, not the cells' numbers",
                 index,
             )
 
@@ -177,9 +177,9 @@ def _check_map(room: _Room, other: _Room, rule: Tool) -> None:
         differs = (results[here] != other_results[at]).any(axis=1)
         if differs.any():
             raise question.refuse(
-                f"answers otherwise on a map {other.grid.width} columns wide",
-                "work with differences of cells and with `step`, and look no further along a row "
-                "than four cells: beyond, the next row begins",
+                f"returns another result on a map {other.grid.width} columns wide",
+                "use differences of cells and `step`, and look no further than four cells along a "
+                "row: beyond that, the next row begins",
                 int(here[np.argmax(differs)]),
             )
 
@@ -207,8 +207,8 @@ def _check_attached(room: _Room, rule: Tool) -> None:
         left = attached & (carried.ask() != thing + step)
         if left.any():
             raise carried.refuse(
-                "leaves an object behind that is called attached",
-                "return thing + step for what is attached, or do not call it so",
+                "leaves behind an object that it reports as attached",
+                "return thing + step for an attached object, or do not report it as attached",
                 int(np.argmax(left)),
             )
         swung = _Question(room, rule, "swing", (step,))
@@ -218,7 +218,7 @@ def _check_attached(room: _Room, rule: Tool) -> None:
         still = call(grid, rule, "attached", (agent[asked], side[asked], lands[asked]))
         if not still.all():
             raise swung.refuse(
-                "lets an object go that is called attached",
-                "move what is attached so that it stays so, or do not call it so",
+                "releases an object that it reports as attached",
+                "keep an attached object attached, or do not report it as attached",
                 int(asked[np.argmin(still)]),
             )

@@ -114,11 +114,10 @@ def _check_line(place: str, text: str) -> None:
         return
     left, _, right = (part.strip() for part in text.partition(BINDS))
     if BINDS not in text or left.lower() == DROP:
-        raise ValueError(f"{place}: {text!r} is no setting; the only one is '{DROP}: true'")
+        raise ValueError(f"{place}: {text!r} is not a setting; the only one is '{DROP}: true'")
     problem = f"{left!r} is not one character" if left and right else f"{text!r} binds nothing"
     raise ValueError(
-        f"{place}: {problem}; write one character, {BINDS!r} and what it stands for, "
-        "as in 'R = rake'"
+        f"{place}: {problem}; write one character, {BINDS!r} and its meaning, as in 'R = rake'"
     )
 
 
@@ -126,7 +125,7 @@ def _drop(place: str, setting: str, value: str) -> bool:
     if setting != DROP:
         raise ValueError(f"{place}: setting {setting!r} is unknown; the only one is {DROP!r}")
     if value not in ("true", "false"):
-        raise ValueError(f"{place}: {DROP} is {value!r}; say 'true' or 'false'")
+        raise ValueError(f"{place}: {DROP} is {value!r}; write 'true' or 'false'")
     return value == "true"
 
 

@@ -39,7 +39,7 @@ def tool_named(name: str) -> Tool:
 
     Raises:
         ValueError: there is none, or (`OwnToolError`) what is there is no tool; the message says
-            what to mend.
+            how to fix it.
     """
     if name in TOOLS:
         return TOOLS[name]
@@ -62,7 +62,7 @@ def as_tool(given: Any) -> Tool:
     """A tool from its name, its class or itself.
 
     Raises:
-        ValueError: it is none; the message says what to mend.
+        ValueError: it is none; the message says how to fix it.
     """
     if isinstance(given, str):
         return tool_named(given)
@@ -141,7 +141,7 @@ def _run(place: str, path: Path, source: bytes) -> ModuleType:
         sys.modules.pop(place)
         if before is not None:
             sys.modules[place] = before
-        raise ValueError(f"{path.name} fails with {failure(error)}; mend the file") from error
+        raise ValueError(f"{path.name} fails with {failure(error)}; fix the file") from error
     return module
 
 
@@ -196,8 +196,8 @@ def _made(found: Any) -> Tool:
             tool = found()
         except (Exception, SystemExit) as error:
             raise ValueError(
-                f"{kind.__name__}() fails with {failure(error)}; let it need no arguments, or name "
-                "an instance"
+                f"{kind.__name__}() fails with {failure(error)}; give its arguments defaults, or "
+                "name an instance"
             ) from error
     _said(tool, "drawing")
     character = _said(tool, "character")
@@ -212,4 +212,4 @@ def _said(found: Any, name: str) -> Any:
     try:
         return getattr(found, name, None)
     except (Exception, SystemExit) as error:
-        raise ValueError(f"its {name} fails with {failure(error)}; mend it") from error
+        raise ValueError(f"its {name} fails with {failure(error)}; fix it") from error

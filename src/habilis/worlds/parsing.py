@@ -186,10 +186,10 @@ def _objects(
             continue
         of = meaning.kind or (objects[0] if len(objects) == 1 else "")
         if of not in objects:
-            problem = f"is the goal of {of!r}, which is no object on the map" if of else ""
+            problem = f"is the goal of {of!r}, which is not an object on the map" if of else ""
             raise ValueError(
-                f"{name}: {mark!r} {problem or 'is the goal of one of several objects'}; say of "
-                f"which above the map, as in '{mark} = goal of {objects[0]}'"
+                f"{name}: {mark!r} {problem or 'is the goal of one of several objects'}; name it "
+                f"above the map, as in '{mark} = goal of {objects[0]}'"
             )
         if of in goals:
             raise ValueError(f"{name}: {mark!r} is a second goal of {of!r}; keep one")

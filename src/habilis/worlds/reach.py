@@ -137,7 +137,7 @@ class Packing:
         if prod(packing._bases) >= 2**63:
             raise ValueError(
                 f"{world.name}: {sum(counts)} things on {len(free)} free cells have more "
-                "placements than can be numbered; take things away, or make the map smaller"
+                "placements than can be numbered; remove things, or make the map smaller"
             )
         return packing
 
@@ -199,7 +199,7 @@ def too_many(world: World, horizon: int | None, max_states: int) -> TooManyPlace
     """The error that says how many placements there are, and what to do."""
     if horizon is None:
         return TooManyPlacementsError(
-            f"{world.name}: more than {max_states:,} placements can be reached; take things away "
+            f"{world.name}: more than {max_states:,} placements can be reached; remove things, "
             "or make the map smaller"
         )
     return TooManyPlacementsError(

@@ -96,7 +96,7 @@ class PlacedTool:
         return self if self.own is None else replace(self, kind=located(self.kind))
 
     def __reduce__(self) -> Any:
-        """A file with a tool is run anew elsewhere: its module cannot be imported by name."""
+        """A file with a tool is rerun elsewhere: its module cannot be imported by name."""
         values = self.kind, self.cell, self.slip, self.name, self.reading
         if self.own is None or not is_in_file(self.kind):
             return PlacedTool, (*values, self.own)
@@ -161,8 +161,8 @@ def cells_of(
         if len(names) > 1:
             at = ",".join(map(str, where))
             raise ValueError(
-                f"{world} has several {kind}s, {', '.join(names)}; say which is at {where}, "
-                f"as {names[0]}={at}"
+                f"{world} has several {kind}s, {', '.join(names)}; specify which is at "
+                f"{where}, as {names[0]}={at}"
             )
         where = {names[0]: where}
     for name in where:

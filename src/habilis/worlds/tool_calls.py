@@ -70,8 +70,8 @@ def call(
         returned = getattr(rule, method)(*map(_unwritable, placements), *step, **more)
         result = as_array("the answer", returned)
     except (Exception, SystemExit) as error:
-        mend = _WRITE if "read-only" in str(error) else "mend it"
-        raise refusal(rule, method, f"fails with {failure(error)}", mend) from error
+        fix = _WRITE if "read-only" in str(error) else "fix it"
+        raise refusal(rule, method, f"fails with {failure(error)}", fix) from error
     thing = placements[2]
     wanted, kind = ("bool", "b") if method == "attached" else ("integer cells", "iu")
     if result.shape != thing.shape or result.dtype.kind not in kind:
@@ -94,12 +94,12 @@ def refusal(
     rule: Tool,
     method: str,
     problem: str,
-    mend: str,
+    fix: str,
     placement: str = "",
 ) -> ValueError:
     """The error that names the tool, what is wrong, where, and the fix."""
     where = f" with {placement}" if placement else ""
-    return ValueError(f"tool {name_of(rule)!r}: {method} {problem}{where}; {mend}")
+    return ValueError(f"tool {name_of(rule)!r}: {method} {problem}{where}; {fix}")
 
 
 def in_words(grid: Grid, placements: Placements, index: int, *step: int) -> str:

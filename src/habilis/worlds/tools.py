@@ -29,7 +29,7 @@ class Tool(Protocol):
     the tool beside the agent. It may also have a `drawing` (`shapes.Drawing`), its working end to
     the south. `check_tool` says whether something is one.
 
-    A tool with an attribute `sees = True` is told more: `carry` and `swing` also get `seen=`, the
+    A tool with an attribute `sees = True` gets more: `carry` and `swing` also get `seen=`, the
     first cell straight on from where the tool goes, in the direction of `step`, that holds a wall
     or a thing.
 
@@ -221,7 +221,7 @@ class Reading:
 
     @classmethod
     def of(cls, said: str) -> "tuple[str, Reading]":
-        """What comes before the words at the end of a text, and what these stand for."""
+        """The text before the words at its end, and the reading that these denote."""
         known, found = {one.name for one in fields(cls)}, set()
         while (word := said.rpartition(" ")[2]) in known and " " in said:
             found.add(word)

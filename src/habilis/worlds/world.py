@@ -101,7 +101,7 @@ class World:
         Raises:
             ValueError: the map is ragged or empty, has an unknown character or one of them twice,
                 has no agent, object or goal, or a goal of no object, or a line above it binds to
-                nothing known. The message names line and column (both from 1) and the mend.
+                nothing known. The message names line and column (both counted from 1) and the fix.
 
         Example:
             >>> World.parse("AP.CG").tool

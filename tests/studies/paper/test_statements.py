@@ -48,8 +48,8 @@ def test_the_pair_of_the_reproduction_meets_more_than_the_pair_before_it():
     assert sum(relation.holds for relation in published_statements(PAIR)) == 21
 
 
-def test_only_a_blocking_picker_tells_one_step_foe_of_the_tools_apart_in_the_open():
-    """What the paper says of Fig. 4a holds, cell by cell, if a picker pushes."""
+def test_only_a_blocking_picker_distinguishes_one_step_foe_of_the_tools_in_the_open():
+    """The paper's statement on Fig. 4a holds, cell by cell, if a picker pushes."""
     room = World.parse(".......\n.......\n..APC..\n.......\n.......\n......G", "room")
     for words, same in (("", False), ("pushes", True)):
         read = room.with_tool(replace(room.tools[0], reading=Reading.of(f" {words}")[1]))

@@ -1,4 +1,4 @@
-"""Lists of stated numbers: what they hold, and how they are refused."""
+"""Lists of stated numbers: their content, and errors in them."""
 
 from dataclasses import replace
 

@@ -79,7 +79,7 @@ def test_a_can_on_the_goal_is_seen_in_the_bin():
 
 
 @pytest.mark.parametrize("thing", ["agent", "tool"])
-def test_the_goal_can_be_told_under_another_thing(thing: str):
+def test_the_goal_is_visible_under_another_thing(thing: str):
     moved = ROOM.with_cells(agent=ROOM.goal, tool=(3, 1))
     on_goal = moved if thing == "agent" else ROOM.with_cells(tool=ROOM.goal)
     elsewhere = on_goal.with_cells(goal=(3, 2))
@@ -210,7 +210,7 @@ def test_coloured_text_is_the_map_with_two_characters_a_cell():
         assert {line[1::2] for line in lines} == {" " * world.width}
 
 
-def test_coloured_text_tells_the_goal_under_the_can():
+def test_coloured_text_shows_the_goal_under_the_can():
     delivered = ROOM.with_cells(object=ROOM.goal)
     assert colored_text(delivered).plain.startswith("# # # # # CG\n")
 

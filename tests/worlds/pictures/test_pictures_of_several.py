@@ -108,7 +108,7 @@ def test_laid_pictures_are_the_drawn_ones(size: int):
 
 
 @pytest.mark.parametrize("name", [*TOOLS, "ball", "crate"])
-def test_the_drawings_can_be_told_apart_at_eight_pixels(name: str):
+def test_the_drawings_are_distinguishable_at_eight_pixels(name: str):
     """With colours turned to grey, as the wholly colour-blind see them."""
     grey = {
         other: frame_of(other).astype(float) @ (0.2126, 0.7152, 0.0722)
@@ -125,7 +125,7 @@ def frame_of(name: str) -> np.ndarray:
     return rendered(World.parse("A.CG"), {(0, 1): SHAPES[name]}, 8)[:, 8:16]
 
 
-def test_coloured_text_tells_every_goal_and_which_tool_is_in_hand():
+def test_coloured_text_shows_every_goal_and_which_tool_is_in_hand():
     state = ROOM.with_cells(agent=(1, 2), object={"can": (2, 5)}, held=1)
     lines = colored_text(state).plain.split("\n")
     assert [line[::2] for line in lines] == list(state.rows)

@@ -56,7 +56,7 @@ def test_a_video_keeps_the_colours_of_its_frames(tmp_path: Path):
 
 
 def told_of(path: Path) -> str:
-    """What ffmpeg says of a file."""
+    """ffmpeg's report on a file."""
     ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
     return subprocess.run([ffmpeg, "-i", path], capture_output=True, text=True).stderr
 

@@ -262,7 +262,7 @@ def _stated(place: str, entry: dict[str, Any], head: dict[str, Any]) -> Target:
     if tool == NO_TOOL and (
         kind == "apart" or target.placed or "tool" in (target.sensor, target.around)
     ):
-        raise ValueError(f"{place}: speaks of a tool, but there is none; name one as tool")
+        raise ValueError(f"{place}: refers to a tool, but there is none; name one as tool")
     if target.tool not in ("", NO_TOOL) and head["tool"] == NO_TOOL:
         raise ValueError(f"{place}: the map has no place for a {target.tool}; give [map] a tool")
     if target.horizon < 0:

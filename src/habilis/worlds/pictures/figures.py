@@ -42,7 +42,7 @@ from habilis.worlds.world import Cell, World
 _DPI = 96  # a web page's; and (n / 96) * 96 is exactly n in floating point: no pixel is lost
 _CELL = 48  # pixels of a cell
 _ACROSS = 4800  # pixels of a picture at most, unless someone asks for more
-PICTURES = {  # by suffix: what would tell apart two files of one picture, left out
+PICTURES = {  # by suffix: metadata that would make two files of one picture differ, removed
     ".png": {"Software": None},
     ".svg": {"Date": None},
     ".pdf": {"CreationDate": None},
@@ -248,7 +248,7 @@ def repeated(
 
 
 def things_of(world: World, agent: Cell | None) -> dict[Cell, Drawing]:
-    """What stands in the cells: bins, objects, tools, and the agent if it has a cell here."""
+    """The things in the cells: bins, objects, tools, and the agent if it has a cell here."""
     things = dict(zip((thing.cell for thing in world.objects), object_drawings(world), strict=True))
     held = -1 if agent is None else world.in_hand
     for index, tool in enumerate(world.tools):
@@ -273,7 +273,7 @@ def tool_looks(rule: Tool) -> list[Drawing]:
 
 @dataclass(frozen=True)
 class Bin:
-    """What stands for a goal.
+    """The drawing of a goal.
 
     Attributes:
         own: the drawing of the object whose goal it is.
@@ -284,7 +284,7 @@ class Bin:
     labelled: bool
 
     def with_thing(self, thing: Drawing | None) -> Drawing:
-        """What is seen in the goal's cell: with its object in it, or in a corner beside a thing."""
+        """The drawing in the goal's cell: with its object in it, or in a corner beside a thing."""
         if thing == self.own:
             return self._labelled(bin_with(self.own))
         empty = self._labelled(SHAPES["bin"])
