@@ -8,10 +8,13 @@ from importlib.util import find_spec
 import jaxtyping
 import pytest
 
-# Values and compiled programs are kept for the processes that tests start, not in anyone's home.
-_CACHE = tempfile.mkdtemp(prefix="habilis-tests-")
-os.environ["JAX_COMPILATION_CACHE_DIR"] = _CACHE
-os.environ["XDG_CACHE_HOME"] = _CACHE
+# Values and compiled programs are kept for all workers and the processes that tests start, not in
+# anyone's home. By default, JAX keeps what takes a second to compile; here it keeps everything.
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    _CACHE = tempfile.mkdtemp(prefix="habilis-tests-")
+    os.environ["XDG_CACHE_HOME"] = os.environ["JAX_COMPILATION_CACHE_DIR"] = _CACHE
+    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0"
+    os.environ["JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES"] = "-1"
 
 # Those with other people's agents are for an environment of their own: make test-integration.
 _APART = ("torch", "stable_baselines3", "gymnax")

@@ -16,6 +16,7 @@ from typing import Any
 from beartype import BeartypeConf, beartype
 
 _CONF = BeartypeConf(is_pep484_tower=True)  # an int where a float is asked for, as type checkers do
+_DRAWS = "__beartype_getrandbits"  # an argument of what beartype makes of functions with lists
 _complete: set[str] = set()
 
 
@@ -33,6 +34,8 @@ def checked(function: Callable[..., Any]) -> Callable[..., Any]:
         if made is None:
             _complete_names(function.__module__)
             made = beartype(conf=_CONF)(function)
+        if _DRAWS not in made.__code__.co_varnames:
+            return made(*args, **kwargs)
         state = random.getstate()  # beartype draws which items of a list it checks
         try:
             return made(*args, **kwargs)

@@ -50,7 +50,7 @@ class Beliefs:
 
     states: Int32[np.ndarray, "N"]
     matrix: "Float64[np.ndarray, 'K N'] | csr_array"
-    steps: tuple[tuple[Int32[np.ndarray, "k"], Int32[np.ndarray, "k"]], ...]
+    steps: tuple[tuple[Int32[np.ndarray, "_"], Int32[np.ndarray, "_"]], ...]
 
     def sequences(self, rows: Int64[np.ndarray, "n"]) -> Int32[np.ndarray, "n h"]:
         """A sequence of actions that leads to each of some rows."""
