@@ -206,7 +206,7 @@ def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _
     log = jax.tree.map(np.asarray, log)
 
     def gains(part: Int[np.ndarray, "n"]) -> list[Gain | NotFiniteError]:
-        return [_gain(*seats[i], log, places[i], bool(sound[places[i]])) for i in part]
+        return [_gain(*seats[i], log, places[i], bool(sound[places[i]])) for i in map(int, part)]
 
     # A few runs at a time: handing over each of them would cost as much as its sums.
     parts = np.array_split(range(len(seats)), min(-(-len(seats) // LANES), processors()))
