@@ -4,12 +4,18 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings survey \
+.PHONY: test test-slow test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings survey \
 	bench bench-sb3 page studio-picture clean
 
-# Side by side on all processors, the tests of a file together.
+# The whole product, on all processors, the tests of a file together. Minutes.
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n auto --dist loadfile
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
+
+# What takes longer: packages built and installed, pages, a browser, a cluster, kills, studies.
+test-slow: $(INSTALLED)
+	$(BIN)/python -m pytest -n auto --dist loadfile -m slow
+
+test-all: test test-slow test-integration
 
 # The studio alone, its page in Debian's Chromium (apt-get install chromium), and that its build is
 # up to date.
@@ -18,7 +24,7 @@ test-studio: $(INSTALLED) studio/node_modules
 
 # The three studies of `habilis study` from end to end, with next to no training: a minute.
 test-studies: $(INSTALLED)
-	HABILIS_STUDIES=1 $(BIN)/python -m pytest tests/studies/bonuses/test_studies.py
+	$(BIN)/python -m pytest tests/studies/bonuses/test_studies.py
 
 # With torch, Stable-Baselines3 and gymnax, in an environment of their own.
 test-integration: $(APART)/installed

@@ -114,6 +114,7 @@ def test_a_setting_of_another_algorithm_says_whose_it_is(capsys, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.ill_typed
 @pytest.mark.parametrize(
     ("measure", "says"),
     [
@@ -136,6 +137,7 @@ def test_a_measure_that_cannot_be_is_refused_with_what_is_wrong(measure: Any, sa
     assert "kept_empowerment" not in str(caught.value)
 
 
+@pytest.mark.ill_typed
 @pytest.mark.parametrize("name", [1, None, ("x", "y")])
 def test_a_measure_is_named_by_a_string(name: Any):
     with pytest.raises(ValueError, match=r"measures has the name .*; give a string$"):

@@ -269,7 +269,14 @@ class World:
         return replace(self, tools=tuple(tool.located() for tool in self.tools))
 
     def is_free(self, cell: Cell) -> bool:
-        """Whether a cell is on the map and no wall."""
+        """Whether a cell is on the map and no wall.
+
+        Args:
+            cell: (row, column), on the map or not.
+
+        Returns:
+            `True` where agent, tool or object could be.
+        """
         row, column = cell
         return 0 <= row < self.height and 0 <= column < self.width and cell not in self.walls
 

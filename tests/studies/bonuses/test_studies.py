@@ -1,7 +1,6 @@
 """The worlds of the studies of learning to choose, and the studies from end to end."""
 
 import json
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -100,8 +99,6 @@ SHORT = {name: replace(study, cases=study.cases[:1]) for name, study in STUDIES.
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """All three studies, trained next to nothing."""
-    if "HABILIS_STUDIES" not in os.environ:
-        pytest.skip("make test-studies runs these")
     out = tmp_path_factory.mktemp("studies") / "out"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(bonus_studies, "STUDIES", SHORT)
@@ -109,6 +106,7 @@ def folder(tmp_path_factory):
         yield out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("study", SHORT.values(), ids=SHORT)
 def test_a_study_runs_from_end_to_end(folder, study):
     runs = pl.read_csv(folder / f"{study.name}-runs.csv", infer_schema_length=None)
@@ -122,6 +120,7 @@ def test_a_study_runs_from_end_to_end(folder, study):
     assert "the results are meaningless" in page
 
 
+@pytest.mark.slow
 def test_unseen_placements_differ_from_seen_ones(folder):
     runs = pl.read_csv(folder / "unseen-runs.csv", infer_schema_length=None)
     shares = runs["unseen"] * HELD_OUT
@@ -130,6 +129,7 @@ def test_unseen_placements_differ_from_seen_ones(folder):
     assert runs["seed"].n_unique() == 2
 
 
+@pytest.mark.slow
 def test_what_is_there_is_not_trained_again(folder, capsys):
     kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
     damaged = next(iter(kept))
