@@ -107,7 +107,7 @@ def bits_here(env, sensor):
         mdp = hb.TabularMDP.from_gymnasium(inner)
     else:
         with access(inner, None, Identity()) as states:
-            mdp = enumerate_states(states, inner.action_space.n, 1000, None, False).mdp
+            mdp = enumerate_states(states, int(inner.action_space.n), 1000, None, False).mdp
     state = getattr(env.unwrapped, "s", 0)  # the first state of an enumeration is this one
     return hb.empowerment(mdp, 2, sensor, states=[state])[0]
 
