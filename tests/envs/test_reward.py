@@ -351,7 +351,7 @@ def test_values_come_from_the_disk_the_second_time(tmp_path, monkeypatch):
     keeping = import_module("habilis.rewards.cached_tables")
     monkeypatch.setattr(keeping, "empowerment", None)  # not computed again
     second = EmpowermentReward(WorldEnv(hb.World.parse(TEXT, "another name")), **TOE)
-    assert np.array_equal(first._states.values, second._places.values)
+    assert np.array_equal(first._states.values, second._states.values)
     with pytest.raises(TypeError):
         EmpowermentReward(WorldEnv(TEXT, tool="broom"), **TOE)
 
