@@ -4,6 +4,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from importlib.util import find_spec
+from pathlib import Path
 
 import jaxtyping
 import pytest
@@ -33,3 +34,14 @@ def _annotations_are_checked(request: pytest.FixtureRequest) -> Iterator[None]:
     )
     yield
     jaxtyping.config.update("jaxtyping_disable", False)
+
+
+_SLOW = tuple((Path(__file__).parent / "slow.txt").read_text("utf-8").split())
+"""Files and tests that `make test` leaves to `make test-slow`."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks the slow tests; one list of them is easier to keep than marks all over the files."""
+    for item in items:
+        if item.nodeid.startswith(_SLOW):
+            item.add_marker(pytest.mark.slow)

@@ -96,3 +96,11 @@ def test_the_readmes_tables_are_the_checked_in_results():
                 low, high = row["ensemble_low"], row["ensemble_high"]
                 ensemble = f"{row['ensemble_ratio']:.2f} [{low:.2f}, {high:.2f}]"
                 assert f"{ensemble}, {row['ensemble_outcome']} |" in line
+
+
+def test_every_slow_test_exists():
+    for line in (ROOT / "tests" / "slow.txt").read_text("utf-8").split():
+        path, _, name = line.partition("::")
+        text = (ROOT / path).read_text("utf-8") if (ROOT / path).is_file() else ""
+        assert (ROOT / path).exists(), line
+        assert not name or f"def {name}" in text, line

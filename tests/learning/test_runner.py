@@ -121,6 +121,7 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         train(room.changed(learning_rate=1e30, clip=1e30))
 
 
+@pytest.mark.ill_typed
 @pytest.mark.parametrize(
     ("field", "value", "fix"),
     [

@@ -156,6 +156,7 @@ def test_a_message_that_is_too_long_is_answered_to_its_sender(address):
     assert error.endswith(f"characters; send at most {MESSAGE:,}")
 
 
+@pytest.mark.ill_typed
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.dictionaries(st.sampled_from(SETTINGS), VALUES, max_size=3))
 def test_whatever_the_settings_of_a_training_are_they_are_taken_or_one_line_of_error(given):

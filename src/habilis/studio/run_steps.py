@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from habilis.learning.checkpoints import checkpoints
 from habilis.learning.curves import learning_curve
@@ -114,7 +115,7 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
     } | _curve(run)
 
 
-def rounded(values: np.ndarray) -> Any:
+def rounded(values: ArrayLike) -> Any:
     """Numbers, rounded to what is visible."""
     return np.vectorize(lambda value: float(f"{value:.{_DIGITS}g}"))(values).tolist()
 

@@ -106,7 +106,6 @@ def folder(tmp_path_factory):
         yield out
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("study", SHORT.values(), ids=SHORT)
 def test_a_study_runs_from_end_to_end(folder, study):
     runs = pl.read_csv(folder / f"{study.name}-runs.csv", infer_schema_length=None)
@@ -120,7 +119,6 @@ def test_a_study_runs_from_end_to_end(folder, study):
     assert "the results are meaningless" in page
 
 
-@pytest.mark.slow
 def test_unseen_placements_differ_from_seen_ones(folder):
     runs = pl.read_csv(folder / "unseen-runs.csv", infer_schema_length=None)
     shares = runs["unseen"] * HELD_OUT
@@ -129,7 +127,6 @@ def test_unseen_placements_differ_from_seen_ones(folder):
     assert runs["seed"].n_unique() == 2
 
 
-@pytest.mark.slow
 def test_what_is_there_is_not_trained_again(folder, capsys):
     kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
     damaged = next(iter(kept))
