@@ -39,7 +39,7 @@ def write_pace(folder: Path, ratio: float = 0.8, pairs: int = 5, seed: int = 0) 
     (folder / "pairs.toml").write_text(
         "\n".join(
             f"[[pair]]\nsetting = {s}\ncorridor = {c!r}\nyard = {y!r}\n"
-            f"[pair.train_state]\noptimizer = 'rmsprop'\nlearning_rate = 0.002\nenvs = 8\n"
+            f"[pair.learner]\noptimizer = 'rmsprop'\nlearning_rate = 0.002\nenvs = 8\n"
             f"rollout = 20\nhidden = [64, 64]\nepisode_limit = 200\n"
             for _, s, c, y in ensemble
         )
