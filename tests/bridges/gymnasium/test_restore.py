@@ -87,8 +87,8 @@ def test_the_environment_that_was_passed_is_left_alone():
         (hb.TabularMDP.deterministic([[0]]), 0, "this table was not made from an environment"),
         (T(Cells()), 5, "state is 5; use 0 to 4"),
         (T(Cells()), "a", "state is 'a'; use 0 to 4"),
-        (T(Cells(), seed=None), 0, "what the first state shows is not known with seed=None"),
-        (T(WithP(listed(), s=False)), 0, "no attribute s by which a state is restored"),
+        (T(Cells(), seed=None), 0, "the observation of the first state is unknown with seed=None"),
+        (T(WithP(listed(), s=False)), 0, "no attribute s with which to restore a state"),
     ],
 )
 @pytest.mark.ill_typed
