@@ -93,7 +93,7 @@ def test_the_environment_that_was_passed_is_left_alone():
 )
 @pytest.mark.ill_typed
 def test_what_cannot_be_restored_is_refused(mdp: hb.TabularMDP, state: Any, message: str):
-    ask = mdp.observation if "shows" in message else mdp.restore
+    ask = mdp.observation if "observation" in message else mdp.restore
     with pytest.raises(ValueError, match=re.escape(message)):
         ask(state)
 
