@@ -36,12 +36,14 @@ def _annotations_are_checked(request: pytest.FixtureRequest) -> Iterator[None]:
     jaxtyping.config.update("jaxtyping_disable", False)
 
 
-_SLOW = tuple((Path(__file__).parent / "slow.txt").read_text("utf-8").split())
-"""Files and tests that `make test` leaves to `make test-slow`."""
+_SLOW = {*(Path(__file__).parent / "slow.txt").read_text("utf-8").split()}
+"""Folders, files and tests that `make test` leaves to `make test-slow`."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Marks the slow tests; one list of them is easier to keep than marks all over the files."""
     for item in items:
-        if item.nodeid.startswith(_SLOW):
+        test = item.nodeid.partition("[")[0]
+        file = Path(test.partition("::")[0])
+        if not _SLOW.isdisjoint({test, *map(Path.as_posix, (file, *file.parents))}):
             item.add_marker(pytest.mark.slow)

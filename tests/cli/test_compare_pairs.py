@@ -114,7 +114,7 @@ def test_pictures_and_tables_are_written_in_one_go(capsys, room, tmp_path):
         (["--pairs", "--out", "pairs.csv", "--out", "no/x.png"], "there is no folder no"),
         (["--horizon", "2", "--out", "pairs.png"], "add --pairs"),
         (["--horizon", "2"], "several objects, can, ball; add --pairs"),
-        ([], "no number of actions; give --horizon"),
+        ([], "no horizon; give --horizon"),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_on_disk(
