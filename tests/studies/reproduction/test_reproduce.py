@@ -159,7 +159,7 @@ def test_runs_that_exceeded_their_budget_are_shown_as_lower_bounds(paper):
 
 def test_a_folder_with_other_things_is_refused_before_any_work(tmp_path):
     (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(ValueError, match="no earlier reproduction; name a new folder"):
+    with pytest.raises(ValueError, match="not an earlier reproduction; name a new folder"):
         hb.reproduce(tmp_path, budget=TINY)
     (tmp_path / "numbers.json").write_text('{"habilis": "0"}')
     with pytest.raises(ValueError, match="no earlier reproduction"):
