@@ -162,7 +162,7 @@ def test_a_folder_with_other_things_is_refused_before_any_work(tmp_path):
     with pytest.raises(ValueError, match="not an earlier reproduction; name a new folder"):
         hb.reproduce(tmp_path, budget=TINY)
     (tmp_path / "numbers.json").write_text('{"habilis": "0"}')
-    with pytest.raises(ValueError, match="no earlier reproduction"):
+    with pytest.raises(ValueError, match="not an earlier reproduction"):
         hb.reproduce(tmp_path, budget=TINY)
     (tmp_path / "link").symlink_to(tmp_path)
     with pytest.raises(ValueError, match="is a link"):
