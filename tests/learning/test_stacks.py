@@ -85,5 +85,5 @@ def test_the_lane_that_is_not_finite_is_found(room, on_host, monkeypatch):
         broken = np.array(leaf)
         broken[(2, *[-1] * (leaf.ndim - 1))] = np.inf
         learner = structure.unflatten([*leaves[:number], broken, *leaves[number + 1 :]])
-        other = stacks.Stack(CPU, stack.settings, stack.lanes._replace(learner=learner))
+        other = stacks.Stack(CPU, stack.settings, stack.lanes._replace(train_state=learner))
         assert finite(other).tolist() == [True, True, False, True, True]
