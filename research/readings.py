@@ -79,7 +79,7 @@ def attempt(task: dict[str, Any], changes: int) -> dict[str, Any]:
 def held(world: World, experiment: Experiment, stated: TargetMap) -> tuple[int, list[str]]:
     """The number of the paper's statements that hold in a map, and the names of the others."""
     worlds = {
-        e.targets: CachedWorld(replace(load_world(e.world), reading=stated.reading), stated.over)
+        e.targets: CachedWorld(load_world(e.world).with_reading(stated.reading), stated.over)
         for e in EXPERIMENTS
     }
     worlds[experiment.targets] = CachedWorld(world, stated.over)

@@ -13,7 +13,7 @@ from habilis.worlds.map_writing import Mark, binding, header_of, marks_of
 from habilis.worlds.own_tools import as_tool, is_own, tool_named
 from habilis.worlds.parsing import parsed
 from habilis.worlds.things import PlacedObject, PlacedTool, Vacancy, Where, cells_of, moved, named
-from habilis.worlds.tools import Tool, name_of
+from habilis.worlds.tools import Reading, Tool, name_of
 
 NO_TOOL = "none"
 ENVIRONMENT = "gym:"
@@ -153,6 +153,19 @@ class World:
         else:
             placed = PlacedTool(kind, first.cell, reading=first.reading, own=own)
         return replace(self, tools=(placed,), vacancy=None, held=None)
+
+    def with_reading(self, reading: Reading) -> "World":
+        """The same map with its tools under a reading of rules 3 to 5.
+
+        Args:
+            reading: of every tool, and of any that takes the place of one.
+
+        Returns:
+            Another world; this one stays as it is.
+        """
+        tools = tuple(replace(tool, reading=reading) for tool in self.tools)
+        vacancy = None if self.vacancy is None else Vacancy(self.vacancy.cell, reading)
+        return replace(self, tools=tools, vacancy=vacancy)
 
     def with_object(self, name: str) -> "World":
         """The same map with one of its objects alone.

@@ -1,7 +1,7 @@
 """Simulated annealing over walls and start cells (Kirkpatrick, Gelatt and Vecchi 1983)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log
 from random import Random
 
@@ -56,9 +56,7 @@ def anneal(
         The first map that meets all numbers (energy 0) and is wanted, and True; or else the best
         that was met, and False.
     """
-    first = replace(
-        random_map(targets, random) if begin is None else begin, reading=targets.reading
-    )
+    first = (begin or random_map(targets, random)).with_reading(targets.reading)
     here = weigh(first, targets.numbers, over=targets.over)
     assert here is not None, "there was no limit"
     best = here
