@@ -37,6 +37,34 @@ main(["landscape", "yard", "--horizon", "1"])
     assert python(code).startswith("0.524104")
 
 
+@pytest.mark.parametrize(
+    ("name", "package", "extra"),
+    [
+        ("hb.train", "jax", "learn"),
+        ("hb.A2C", "jax", "learn"),
+        ("hb.reproduce", "jax", "learn"),
+        ("hb.learning.train", "jax", "learn"),
+        ("hb.sweeps.sweep", "jax", "learn"),
+        ("hb.sweeps.search", "optuna", "sweep"),
+        ("hb.EmpowermentReward", "gymnasium", "gymnasium"),
+        ("hb.envs.WorldEnv", "gymnasium", "gymnasium"),
+        ("hb.envs.FunctionalEnv", "jax", "learn"),
+    ],
+)
+def test_a_public_name_whose_extra_is_missing_says_what_to_install(name, package, extra):
+    code = f"""
+import sys
+sys.modules[{package!r}] = None
+import habilis as hb
+from habilis.extras import MissingExtraError
+try:
+    {name}
+except MissingExtraError as error:
+    print(error)
+"""
+    assert python(code) == f"{package} is not installed; run: pip install 'habilis[{extra}]'\n"
+
+
 def test_every_public_name_is_there_and_documented():
     for name in hb.__all__:
         assert getattr(hb, name).__doc__, name

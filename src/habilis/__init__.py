@@ -18,12 +18,8 @@ from habilis.lazy import public
 
 __version__ = "0.1.0"
 
-_EXTRAS = {
-    "habilis.envs": "gymnasium",
-    "habilis.learning": "learn",
-    "habilis.studies.reproduction.reproduce": "learn",
-}
-__getattr__, _names, __all__ = public(__name__, _EXTRAS)
+_OPTIONAL = ("habilis.envs", "habilis.learning", "habilis.studies.reproduction.reproduce")
+__getattr__, _names, __all__ = public(__name__, _OPTIONAL)
 
 
 def __dir__() -> list[str]:

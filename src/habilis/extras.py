@@ -1,5 +1,7 @@
 """The parts of Habilis that need more than the plain installation."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -23,12 +25,28 @@ def import_from(module: str, extra: str) -> ModuleType:
     Raises:
         MissingExtraError: a package of the extra is not installed; the message says what to run.
     """
-    try:
+    with extra_named(extra):
         return import_module(module)
+
+
+@contextmanager
+def extra_named(*extras: str) -> Iterator[None]:
+    """Turns the failed import of an extra's package into one line.
+
+    Args:
+        extras: those looked at; none: all.
+
+    Raises:
+        MissingExtraError: as in `import_from`.
+    """
+    try:
+        yield
     except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] not in _OF_EXTRA[extra]:
-            raise
-        raise _missing(error.name, extra) from None
+        package = (error.name or "").partition(".")[0]
+        for extra in extras or _OF_EXTRA:
+            if package in _OF_EXTRA[extra]:
+                raise _missing(package, extra) from None
+        raise
 
 
 def check_installed(extra: str) -> None:

@@ -5,15 +5,12 @@ The list is the stub beside the package, `__init__.pyi`: what type checkers read
 
 import ast
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection
 from importlib import import_module
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from habilis.extras import import_from
-
-_NONE: Mapping[str, str] = MappingProxyType({})
+from habilis.extras import extra_named
 
 
 class Public(NamedTuple):
@@ -25,13 +22,13 @@ class Public(NamedTuple):
     """The names that need no extra, so that `from package import *` works without one."""
 
 
-def public(package: str, extras: Mapping[str, str] = _NONE) -> Public:
+def public(package: str, optional: Collection[str] = ()) -> Public:
     """The exports of a package.
 
     Args:
         package: its `__name__`. Each `from module import name as name` of its stub is a public
             name; `from . import name as name` is a subpackage.
-        extras: the extra that each of the modules in the stub needs, if any.
+        optional: the modules in the stub that need an extra which the others do not.
 
     Raises:
         MissingExtraError: on first use of a name whose extra is not installed.
@@ -46,9 +43,10 @@ def public(package: str, extras: Mapping[str, str] = _NONE) -> Public:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         home = homes[name]
-        path = f"{package}.{name}" if home is None else home
-        module = import_from(path, extras[path]) if path in extras else import_module(path)
-        return module if home is None else getattr(module, name)
+        with extra_named():
+            if home is None:
+                return import_module(f"{package}.{name}")
+            return getattr(import_module(home), name)
 
-    names = [name for name, home in homes.items() if home not in extras and home is not None]
+    names = [name for name, home in homes.items() if home not in optional and home is not None]
     return Public(load, lambda: sorted(homes), names)

@@ -15,7 +15,7 @@ class Transitions(NamedTuple):
 
     That to the outcome k of action a in state s has the number `(s * A + a) * K + k`. Actions with
     fewer than K outcomes repeat their last, with probability 0. An action that is not available
-    leads back to its state, for a reward of 0; whoever chooses actions leaves it out.
+    leads back to its state, for a reward of 0; policies exclude it.
 
     Attributes:
         next_state: int32[S * A * K].

@@ -91,7 +91,7 @@ def test_results_are_kept_and_not_computed_again(tmp_path):
     assert {path: path.read_bytes() for path in kept} == kept
 
 
-def test_whoever_stops_hears_how_to_go_on(tmp_path):
+def test_an_interrupted_session_reports_how_to_continue(tmp_path):
     def one(tasks, done, stopped):
         in_turn(tasks[:1], done, stopped)
 

@@ -5,6 +5,7 @@ import os
 import re
 import sys
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import fields
 from typing import Any, NoReturn, Protocol
 
 import habilis
@@ -27,6 +28,7 @@ from habilis.cli import (
 )
 from habilis.cli.arguments import Args
 from habilis.cli.output import check_outputs, refuse
+from habilis.empowerment.methods import Sampled
 from habilis.extras import MissingExtraError
 
 
@@ -69,7 +71,7 @@ VERBS: dict[str, Verb] = {
 
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
 _IN_PYTHON = (
-    *("unit", "tolerance", "method", "samples", "seed", "threads", "max_gib", "max_seconds"),
+    *("unit", "method", *(f.name for f in fields(Sampled))),  # which has the settings of both
     *("max_states", "key", "state", "ignore", "factors", "starts", "states"),
 )
 """Arguments that errors of the library name; a verb may have an option for them or not."""
@@ -95,7 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except BrokenPipeError:
-        # Whoever reads our output has gone; so that Python does not complain at exit either:
+        # The reader of our output is gone. So that Python does not complain at exit, either:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (ValueError, MissingExtraError, FloatingPointError) as error:

@@ -12,15 +12,13 @@ from habilis.worlds.world import ENVIRONMENT, Cell, World
 
 Args = argparse.Namespace
 
-PREFIX = ENVIRONMENT
-
 TOOLS = "picker, broom, rake, stick, magnet, none or your own as FILE.py:CLASS"
 
 
 def add_world(parser: argparse.ArgumentParser, or_environment: bool = False) -> None:
     text = "a built-in world or a map file"
     if or_environment:
-        text += f", or a Gymnasium environment as {PREFIX}FrozenLake-v1?map_name=8x8"
+        text += f", or a Gymnasium environment as {ENVIRONMENT}FrozenLake-v1?map_name=8x8"
     parser.add_argument("world", metavar="WORLD", help=text)
     add_tool(parser)
 
@@ -65,28 +63,24 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method", choices=("exact", "sampled"), default="exact", help="sampled: a lower bound"
     )
-    parser.add_argument(
-        "--samples",
-        type=int,
-        default=1000,
-        help="number of sampled action sequences (default 1000)",
-    )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the samples (default 0)")
+    text = f"number of sampled action sequences (default {Sampled.samples})"
+    parser.add_argument("--samples", type=int, default=Sampled.samples, help=text)
+    text = f"seed of the samples (default {Sampled.seed})"
+    parser.add_argument("--seed", type=int, default=Sampled.seed, help=text)
     parser.add_argument("--threads", type=int, help="number of threads (default: all processors)")
     add_limits(parser)
 
 
 def add_tolerance(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--tolerance", type=float, default=1e-6, help="gap to reach (default 1e-6)")
+    text = f"gap to reach (default {Exact.tolerance:g})"
+    parser.add_argument("--tolerance", type=float, default=Exact.tolerance, help=text)
 
 
 def add_limits(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--max-gib", type=float, default=8.0, help="memory limit in GiB (default 8)"
-    )
-    parser.add_argument(
-        "--max-seconds", type=float, default=3600.0, help="time limit (default 3600)"
-    )
+    text = f"memory limit in GiB (default {Exact.max_gib:g})"
+    parser.add_argument("--max-gib", type=float, default=Exact.max_gib, help=text)
+    text = f"time limit in seconds (default {Exact.max_seconds:g})"
+    parser.add_argument("--max-seconds", type=float, default=Exact.max_seconds, help=text)
 
 
 def add_most(parser: argparse.ArgumentParser) -> None:

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import habilis
 from habilis.cli.arguments import (
-    PREFIX,
     Args,
     action_indices,
     add_measure,
@@ -18,7 +17,7 @@ from habilis.cli.arguments import (
 from habilis.cli.output import lower_bounds, print_json, shows_progress
 from habilis.extras import import_from
 from habilis.files import TABLES
-from habilis.worlds.world import load_world
+from habilis.worlds.world import ENVIRONMENT, load_world
 
 HELP: str = "compute the empowerment of every state"
 EXAMPLE: str = "habilis empowerment corridor --sensor object --horizon 6 --out bits.csv"
@@ -79,7 +78,7 @@ def run(args: Args) -> int:
 
 def _table(args: Args) -> habilis.TabularMDP:
     """The table of a world or, as `gym:ID`, of a Gymnasium environment."""
-    if not args.world.startswith(PREFIX):
+    if not args.world.startswith(ENVIRONMENT):
         if args.ignore:
             raise ValueError("--ignore is for environments, gym:ID; leave it out")
         world = load_world(args.world, args.tool)
@@ -88,6 +87,6 @@ def _table(args: Args) -> habilis.TabularMDP:
     if args.tool is not None:
         raise ValueError(f"{args.world} has no tool to choose; leave out --tool")
     named = import_from("habilis.bridges.gymnasium.named", "gymnasium")
-    name = args.world.removeprefix(PREFIX)
+    name = args.world.removeprefix(ENVIRONMENT)
     mdp = named.table_named(name, args.max_states, args.ignore, shows_progress(args))
     return mdp.slippery(args.slip) if args.slip else mdp

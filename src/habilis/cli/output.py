@@ -1,4 +1,4 @@
-"""How the verbs of the command line say what they have to say."""
+"""Output of the command line: JSON, errors, files, progress."""
 
 import json
 import sys
@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 from habilis.files import check_file, check_folder, writing
 
 if TYPE_CHECKING:
-    from argparse import Namespace
-
     from rich.console import Console
 
 
@@ -37,12 +35,12 @@ def save(path: Path, write: Callable[[Path], Any]) -> None:
         write(path)
 
 
-def lower_bounds(args: "Namespace") -> str:
+def lower_bounds(args: Namespace) -> str:
     """The prefix of sampled values."""
     return "lower bounds on " if args.method == "sampled" else ""
 
 
-def check_outputs(args: "Namespace") -> None:
+def check_outputs(args: Namespace) -> None:
     """Refuses files and folders that could not be written, before anything is computed.
 
     Args:
@@ -58,7 +56,7 @@ def check_outputs(args: "Namespace") -> None:
                 check_file(path, suffixes) if suffixes else check_folder(path)
 
 
-def shows_progress(args: "Namespace") -> bool:
+def shows_progress(args: Namespace) -> bool:
     """Whether a verb draws progress bars: on a terminal, unless a machine reads what it prints."""
     return sys.stderr.isatty() and not args.json
 

@@ -5,4 +5,4 @@
 
 from habilis.lazy import public
 
-__getattr__, __dir__, __all__ = public(__name__, {"habilis.envs.functional": "learn"})
+__getattr__, __dir__, __all__ = public(__name__, ("habilis.envs.functional",))

@@ -176,10 +176,7 @@ class Config:
             raise ValueError(
                 f"setting {unknown[0]!r} is unknown; use some of {', '.join(sorted(own | learner))}"
             )
-        lists = {f.name for f in fields(kind) if isinstance(f.default, tuple)}  # in JSON and TOML
-        settings = {k: v for k, v in values.items() if k in learner}
-        settings |= {k: tuple(settings[k]) for k in lists if isinstance(settings.get(k), list)}
-        algorithm = kind(**settings)
+        algorithm = kind(**{k: v for k, v in values.items() if k in learner})
         given: dict[str, Any] = {k: v for k, v in values.items() if k in own}
         given["algorithm"] = algorithm
         return cls(**given)

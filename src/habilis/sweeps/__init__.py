@@ -2,12 +2,4 @@
 
 from habilis.lazy import public
 
-__getattr__, __dir__, __all__ = public(
-    __name__,
-    {
-        "habilis.sweeps.grids": "learn",
-        "habilis.sweeps.searches": "sweep",
-        "habilis.sweeps.spec": "learn",
-        "habilis.sweeps.store": "learn",
-    },
-)
+__getattr__, __dir__, __all__ = public(__name__, ("habilis.sweeps.searches",))

@@ -1,8 +1,8 @@
 """Calls of a tool's methods, with validation of their results.
 
-Whoever wrote the tool, it is called only for placements with the tool in hand, gets arrays that it
-cannot write to by mistake, and a result that the map has no place for is an error with a name: it
-never becomes a cell somewhere else.
+Built-in or custom, a tool is called only for placements with the tool in hand, and gets arrays that
+it cannot write to by mistake. A result outside the map is an error that names the tool: it never
+becomes a cell somewhere else.
 """
 
 from typing import Any, Literal

@@ -19,7 +19,7 @@ from habilis.learning.task import Task
 class A2C:
     """Advantage actor-critic (Mnih et al. 2016), the paper's.
 
-    The defaults are what the calibration of the paper's tables came to (`studies.calibrate`).
+    The defaults result from the calibration of the paper's tables (`research/calibration.py`).
     """
 
     envs: int = setting(16, help_texts.ENVS, static=True)

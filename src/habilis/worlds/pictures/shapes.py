@@ -2,7 +2,7 @@
 
 A renderer needs one idea only, the filled polygon: curves are sampled finely enough for cells of
 several hundred pixels, and thick lines are outlines too, so they grow with the cell. `SHAPES` is
-plain data that any renderer can read (`pictures.py` here, `Shape.path` for a page).
+plain data that any renderer can read (`figures.py` here, `Shape.path` for a page).
 
 Coordinates are `(x, y)` in units of a cell: x from 0 at the left to 1, y from 0 at the top to 1.
 """
