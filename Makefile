@@ -7,7 +7,7 @@ APART := .venv-integration
 .PHONY: test test-slow test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings survey \
 	bench bench-sb3 page studio-picture clean
 
-# The whole product, on all processors, the tests of a file together. Minutes.
+# The whole product, on all processors, the tests of a file together: four minutes on two cores.
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
 
