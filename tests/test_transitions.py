@@ -17,8 +17,8 @@ from habilis.envs import TableEnv, TableVectorEnv
 from habilis.envs.functional import FunctionalEnv
 from habilis.learning import replay
 from habilis.learning.config import Config
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.episodes import Ledger
-from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 from habilis.studio import scene_steps
 from habilis.studio.scenes import Scene
@@ -165,10 +165,10 @@ def test_a_functional_environment_earns_the_rewards_of_its_table():
 @pytest.mark.parametrize("slip", [0.0, 0.25])
 def test_training_earns_the_rewards_of_its_table(slip: float):
     mdp = OWN.slippery(slip)
-    task, _ = make_task(mdp)
-    transitions = jnp.arange(len(task.goes_on))
-    reward = mdp.reward[task.state_of(transitions), task.action_of(transitions)]
-    assert jnp.array_equal(task.transitions.reward, reward)
+    dynamics, _ = make_dynamics(mdp)
+    transitions = jnp.arange(len(dynamics.goes_on))
+    reward = mdp.reward[dynamics.state_of(transitions), dynamics.action_of(transitions)]
+    assert jnp.array_equal(dynamics.transitions.reward, reward)
     assert np.array_equal(Ledger.of(mdp).columns[:, 1], reward)
     trained = learn(mdp, Config(algorithm=QUICK_A2C, episode_limit=4), updates=20)
     _, returns, *_ = trained.episodes.T

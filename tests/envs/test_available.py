@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from habilis.envs import EmpowermentReward, TableEnv, TableVectorEnv
 from habilis.envs.functional import FunctionalEnv
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.rollout import EnvState, rollout, sample_action
-from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
 # In a ring of four cells: forth, back, and from cell 3 alone into the trap 4; 5 is the goal.
@@ -229,23 +229,23 @@ def test_environment_and_trainer_make_the_same_steps(seed: int):
     )
     if mdp.ends[mdp.start]:
         return
-    task, _ = make_task(mdp)
+    dynamics, _ = make_dynamics(mdp)
 
     def uniform(state, draw):
         logits = jnp.zeros((len(state), mdp.action_count))
-        return sample_action(logits, draw, task.available_in(state)), ()
+        return sample_action(logits, draw, dynamics.available_in(state)), ()
 
     draws = jnp.asarray(rng.random((40, 1), np.float32))
     env_state = EnvState(jnp.array([mdp.start]), jnp.zeros(1, int))
-    _, trajectory = rollout(task, uniform, env_state, jnp.float32(7), draws)
+    _, trajectory = rollout(dynamics, uniform, env_state, jnp.float32(7), draws)
     env = TableEnv(mdp, max_steps=7)
     env.reset()
     for transition, cut in zip(
         trajectory.transition[:, 0], trajectory.truncated[:, 0], strict=True
     ):
-        assert env.state == int(task.state_of(transition))
-        _, reward, terminated, truncated, _ = env.step(int(task.action_of(transition)))
-        assert reward == float(task.transitions.reward[transition])
-        assert (terminated, truncated) == (bool(task.terminated(transition)), bool(cut))
+        assert env.state == int(dynamics.state_of(transition))
+        _, reward, terminated, truncated, _ = env.step(int(dynamics.action_of(transition)))
+        assert reward == float(dynamics.transitions.reward[transition])
+        assert (terminated, truncated) == (bool(dynamics.terminated(transition)), bool(cut))
         if terminated or truncated:
             env.reset()

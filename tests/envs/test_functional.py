@@ -19,8 +19,8 @@ from habilis.envs.functional import KINDS, FunctionalEnv
 from habilis.learning import intrinsic
 from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.rollout import EnvState, rollout
-from habilis.learning.task import make_task
 from habilis.worlds.table import restarted
 
 SMALL = "AP.CG\n.....\n"
@@ -253,18 +253,18 @@ def test_the_trainer_makes_the_same_transitions(world, limit):
     mdp = world if isinstance(world, hb.TabularMDP) else hb.tabulate(env_world(world))
     actions = jax.random.randint(KEY, (3000, 4), 0, env.num_actions)
     _, ours = walk(env, env.default_params, actions)
-    task, _ = make_task(mdp)
+    dynamics, _ = make_dynamics(mdp)
     env_state = EnvState(jnp.full(4, mdp.start), jnp.zeros(4, jnp.int32))
     # Draws are given out one a decision: here each is the action itself.
     _, theirs = rollout(
-        *(task, lambda _, draw: (draw.astype(jnp.int32), ())),
+        *(dynamics, lambda _, draw: (draw.astype(jnp.int32), ())),
         *(env_state, jnp.float32(limit), actions.astype(jnp.float32)),
     )
     state, reached, reward, terminated, truncated = ours
     assert jnp.array_equal(state, theirs.state)
-    assert jnp.array_equal(reached, task.transitions.next_state[theirs.transition])
-    assert jnp.array_equal(reward, task.transitions.reward[theirs.transition])
-    assert jnp.array_equal(terminated, task.terminated(theirs.transition))
+    assert jnp.array_equal(reached, dynamics.transitions.next_state[theirs.transition])
+    assert jnp.array_equal(reward, dynamics.transitions.reward[theirs.transition])
+    assert jnp.array_equal(terminated, dynamics.terminated(theirs.transition))
     assert jnp.array_equal(truncated, theirs.truncated)
     assert int(truncated.sum()) > 100
     assert int(terminated.sum()) > 100 or world == "yard"

@@ -22,7 +22,7 @@ from habilis.bridges.gymnasium.enumeration import enumerate_states
 from habilis.bridges.gymnasium.snapshots import Identity
 from habilis.envs import EmpowermentReward, VectorEmpowermentReward, WorldEnv, WorldVectorEnv
 from habilis.learning import intrinsic
-from habilis.learning.task import make_task
+from habilis.learning.dynamics import make_dynamics
 
 TEXT = "AP.CG\n.....\n"
 TOE = {"horizon": 2, "sensor": "object", "beta": 0.5}
@@ -70,7 +70,7 @@ def test_a_step_earns_the_bits_of_where_it_leads():
 def test_rewards_are_the_trainers_whatever_the_settings(settings):
     env = EmpowermentReward(WorldEnv(TEXT, max_steps=30), **TOE, **settings)
     mdp = hb.tabulate(hb.World.parse(TEXT))
-    task, _ = make_task(mdp)
+    dynamics, _ = make_dynamics(mdp)
     discount = settings.get("discount", 0.99)
     config = hb.Config(intrinsic="object", horizon=2, beta=0.5).changed(
         **settings | {"discount": discount, "reward_scale": 1.0}
@@ -85,10 +85,10 @@ def test_rewards_are_the_trainers_whatever_the_settings(settings):
         transition = jnp.array(state * 8 + action)
         wanted = intrinsic.reward(
             numbers,
-            task.transitions.reward[transition],
-            bits[task.transitions.next_state[transition]],
+            dynamics.transitions.reward[transition],
+            bits[dynamics.transitions.next_state[transition]],
             bits[state],
-            task.terminated(transition),
+            dynamics.terminated(transition),
             jnp.float32(taken),
         )
         assert reward == pytest.approx(float(wanted), abs=1e-5)

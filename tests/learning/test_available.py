@@ -15,9 +15,9 @@ from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.algorithms.q_learning import QLearning
 from habilis.learning.algorithms.soft_value_iteration import SoftValueIteration
 from habilis.learning.config import Config
+from habilis.learning.dynamics import make_dynamics, roomy
 from habilis.learning.episodes import Ledger
 from habilis.learning.rollout import Context, EnvState, rollout, sample_action
-from habilis.learning.task import make_task, roomy
 from habilis.learning.training_problem import success_rate
 from habilis.mdp import TabularMDP
 from habilis.transitions import Transitions
@@ -112,7 +112,7 @@ def test_soft_values_are_those_of_plain_loops(seed: int, certain: bool):
         mdp = TabularMDP.stochastic(P, rng.normal(size=shape), rng.random(shape[0]) < 0.2)
     if mdp.ends[mdp.start] and not mdp.terminal[mdp.start]:
         with pytest.raises(ValueError, match="no action is available in state 0; give another"):
-            make_task(mdp)
+            make_dynamics(mdp)
         return
     algorithm = SoftValueIteration(temperature=0.5, discount=0.8, reward_scale=1.0)
     learned = learn(mdp, Config(algorithm=algorithm), 60)
@@ -123,17 +123,19 @@ def test_soft_values_are_those_of_plain_loops(seed: int, certain: bool):
 
 def test_uniform_exploration_is_uniform_over_the_available_actions():
     table = [[1, 2, -1, 3, -1], *[[0, -1, -1, -1, -1]] * 3]
-    task, _ = make_task(TabularMDP.deterministic(table))
+    dynamics, _ = make_dynamics(TabularMDP.deterministic(table))
     algorithm = QLearning(epsilon=1.0, epsilon_end=1.0, epsilon_steps=0)
-    context = Context(task, jax.numpy.float32(0), jax.random.key(0), lambda t: t * 0.0)
+    context = Context(dynamics, jax.numpy.float32(0), jax.random.key(0), lambda t: t * 0.0)
     draws = (np.arange(3000) + 0.5) / 3000
     states = jax.numpy.zeros(3000, int)
-    values = algorithm.init(task, 0, jax.random.key(0))
+    values = algorithm.init(dynamics, 0, jax.random.key(0))
     actions, _ = algorithm.act(context, values, states, jax.numpy.asarray(draws, np.float32))
     counts = np.bincount(np.asarray(actions), minlength=5)
     assert (np.abs(counts - [1000, 1000, 0, 1000, 0]) <= 1).all()
     logits = jax.numpy.zeros((3000, 5))
-    drawn = sample_action(logits, jax.numpy.asarray(draws, np.float32), task.available_in(states))
+    drawn = sample_action(
+        logits, jax.numpy.asarray(draws, np.float32), dynamics.available_in(states)
+    )
     assert (np.abs(np.bincount(drawn, minlength=5) - [1000, 1000, 0, 1000, 0]) <= 1).all()
 
 
@@ -154,8 +156,8 @@ def test_a_state_without_actions_ends_an_episode_as_a_failure():
         [[1, 2], [-1, -1], [-1, -1]], [[5, 1], [0, 0], [0, 0]], [False, False, True]
     )
     assert mdp.ends.tolist() == [False, True, True]
-    task, _ = make_task(mdp)
-    assert task.goes_on.tolist()[:2] == [-1, -1]
+    dynamics, _ = make_dynamics(mdp)
+    assert dynamics.goes_on.tolist()[:2] == [-1, -1]
     assert Ledger.of(mdp).terminated[:2].tolist() == [True, True]
     assert best_returns(mdp, 10).tolist() == [5, 0, 0]
     assert success_rate(mdp, np.array([0, 0, 0], np.int32), np.array([0]), 10) == 0
@@ -220,31 +222,33 @@ def test_outcomes_of_an_unavailable_action_lead_nowhere_else():
 
 
 def test_room_for_more_states_changes_nothing():
-    task, _ = make_task(ROW)
-    wide = roomy(task)
+    dynamics, _ = make_dynamics(ROW)
+    wide = roomy(dynamics)
     assert wide.available is not None
-    assert task.available is not None
-    assert wide.available[:4].tolist() == task.available.tolist()
+    assert dynamics.available is not None
+    assert wide.available[:4].tolist() == dynamics.available.tolist()
     assert wide.available.shape == (wide.states, wide.actions)
-    plain, _ = make_task(TabularMDP.deterministic([[0, 1], [1, 0]]))
+    plain, _ = make_dynamics(TabularMDP.deterministic([[0, 1], [1, 0]]))
     assert plain.available is None
     assert roomy(plain).available is None
 
 
 def test_starts_without_actions_are_refused():
     with pytest.raises(ValueError, match="no action is available in state 1; give another start"):
-        make_task(TabularMDP.deterministic([[0, 0], [-1, -1]]), np.array([0, 1]))
+        make_dynamics(TabularMDP.deterministic([[0, 0], [-1, -1]]), np.array([0, 1]))
 
 
 def test_steps_of_a_task_are_those_of_the_table():
-    task, _ = make_task(ROW)
+    dynamics, _ = make_dynamics(ROW)
 
     def uniform(state, draw):
-        return sample_action(jax.numpy.zeros((len(state), 3)), draw, task.available_in(state)), ()
+        return sample_action(
+            jax.numpy.zeros((len(state), 3)), draw, dynamics.available_in(state)
+        ), ()
 
     draws = np.random.default_rng(0).random((500, 4), np.float32)
     _, trajectory = rollout(
-        task,
+        dynamics,
         uniform,
         EnvState(jax.numpy.zeros(4, int), jax.numpy.zeros(4, int)),
         jax.numpy.float32(50),
@@ -252,7 +256,7 @@ def test_steps_of_a_task_are_those_of_the_table():
     )
     states, actions = (
         np.asarray(trajectory.state),
-        np.asarray(task.action_of(trajectory.transition)),
+        np.asarray(dynamics.action_of(trajectory.transition)),
     )
     assert ROW.available[states, actions].all()
     for state in range(3):

@@ -69,9 +69,9 @@ def test_five_lanes_are_what_a_cpu_has_by_itself(room):
 def test_every_batch_is_as_wide_as_was_asked_for(room, monkeypatch):
     widths = set()
 
-    def watching(task, settings, lanes, program):
+    def watching(dynamics, settings, lanes, program):
         widths.add(len(lanes.updates))
-        return advance(task, settings, lanes, program)
+        return advance(dynamics, settings, lanes, program)
 
     monkeypatch.setattr(batches, "advance", watching)
     train(room.changed(runs=4), lanes=3)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from habilis.learning.task import coordinates, make_task, one_hot, roomy
+from habilis.learning.dynamics import coordinates, make_dynamics, one_hot, roomy
 from habilis.mdp import HELD, LAID, TabularMDP
 from habilis.worlds.table import placement, tabulate
 from habilis.worlds.world import World
@@ -62,14 +62,14 @@ def test_without_cells_labels_are_scaled_and_without_factors_the_index():
 
 
 def test_unreachable_states_have_an_observation():
-    task, count = make_task(table("A.C\nP..\n..G\n"), observation="coordinates")
-    assert count == task.inputs.shape[1]
-    room = roomy(task)
+    dynamics, count = make_dynamics(table("A.C\nP..\n..G\n"), observation="coordinates")
+    assert count == dynamics.inputs.shape[1]
+    room = roomy(dynamics)
     assert room.inputs.dtype == np.float32
     assert np.isfinite(room.inputs).all()
-    np.testing.assert_array_equal(room.inputs[: task.states], task.inputs)
+    np.testing.assert_array_equal(room.inputs[: dynamics.states], dynamics.inputs)
 
 
 def test_one_hot_stays_what_is_shown_otherwise():
     mdp = table("A.C\nP..\n..G\n")
-    np.testing.assert_array_equal(make_task(mdp)[0].inputs, one_hot(mdp)[0])
+    np.testing.assert_array_equal(make_dynamics(mdp)[0].inputs, one_hot(mdp)[0])

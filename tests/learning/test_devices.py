@@ -14,9 +14,9 @@ from habilis.learning.runner import train
 
 used, advance = set(), batches.advance
 
-def watching(task, settings, lanes, program):
-    after = advance(task, settings, lanes, program)
-    used.update(str(d) for leaf in jax.tree.leaves((task, after)) for d in leaf.devices())
+def watching(dynamics, settings, lanes, program):
+    after = advance(dynamics, settings, lanes, program)
+    used.update(str(d) for leaf in jax.tree.leaves((dynamics, after)) for d in leaf.devices())
     return after
 
 batches.advance = watching

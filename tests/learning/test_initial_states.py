@@ -10,7 +10,7 @@ import pytest
 
 import habilis as hb
 from habilis.cli import main
-from habilis.learning import jobs, task
+from habilis.learning import dynamics, jobs
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run
@@ -109,7 +109,7 @@ def test_later_episodes_begin_in_all_of_them_too():
 def test_without_starts_nothing_is_other_than_it_was():
     """The default draws no random number more: see `test_runner` for the curves themselves."""
     job = Job.of(0, Config(world="open.txt"))
-    assert job.task[0].start.shape == ()
+    assert job.dynamics[0].start.shape == ()
     assert not {"starts", "unseen", "starts_seed"} & plain(job.config).keys()
     assert "starts" in plain(job.config.changed(starts=3))
 
@@ -199,7 +199,7 @@ def test_room_for_more_states_changes_nothing_that_is_learned(monkeypatch):
     """Tables of about one size share a program, so they are brought to one size."""
     config = LEARN.changed(steps=40_000, runs=1, starts=5, intrinsic="object", horizon=2, beta=0.1)
     one = train(config)
-    monkeypatch.setattr(task, "ROOM", 1)
+    monkeypatch.setattr(dynamics, "ROOM", 1)
     jobs._task.cache_clear()
     other = train(config)
     jobs._task.cache_clear()
@@ -212,9 +212,9 @@ def test_tables_with_other_starts_have_the_same_shape():
         Job.of(0, LEARN.changed(world="room.txt", starts=5, starts_seed=k)) for k in range(3)
     ]
     assert len({job.mdp.states for job in several}) > 1
-    assert len({job.task[0].transitions.next_state.shape for job in several}) == 1
+    assert len({job.dynamics[0].transitions.next_state.shape for job in several}) == 1
 
 
 def test_what_learns_a_value_of_each_state_has_no_more_of_them():
     job = Job.of(0, LEARN.changed(algorithm="q-learning", starts=5))
-    assert job.task[0].states == job.mdp.states
+    assert job.dynamics[0].states == job.mdp.states

@@ -7,7 +7,7 @@ from probes import QUICK_A2C, learn, row
 from habilis.learning import intrinsic
 from habilis.learning.algorithms.q_learning import QLearning
 from habilis.learning.config import Config
-from habilis.learning.task import make_task
+from habilis.learning.dynamics import make_dynamics
 from habilis.mdp import TabularMDP
 
 BONUS = Config(algorithm=QUICK_A2C, intrinsic="state", horizon=1, beta=1.0, seed=3)
@@ -77,9 +77,9 @@ def test_counts_are_visits_and_novelty_wears_off():
     assert counts.sum() == 50 * 8 * 4
     assert counts[0] == 0  # nobody enters the start: it is where a new episode begins
     np.testing.assert_allclose(counts[1] / counts.sum(), 0.5, atol=0.01)
-    task, _ = make_task(row(3, 2, np.zeros((3, 2))))
+    dynamics, _ = make_dynamics(row(3, 2, np.zeros((3, 2))))
     np.testing.assert_allclose(
-        intrinsic.values("count", jnp.asarray(counts), jnp.zeros(3), task, jnp.array([0, 1])),
+        intrinsic.values("count", jnp.asarray(counts), jnp.zeros(3), dynamics, jnp.array([0, 1])),
         1 / np.sqrt(counts[:2] + 1),
         rtol=1e-5,
     )
@@ -90,8 +90,8 @@ def test_what_is_seen_often_is_distilled_and_what_is_not_stays_new():
     # Action 0 stays in the seen half: the far state is never entered.
     mdp = TabularMDP.deterministic([[1], [0], [2]])
     found = learn(mdp, config, updates=3000)
-    task, _ = make_task(mdp)
-    novelty = intrinsic.values("rnd", found.lane.novelty, jnp.zeros(3), task, jnp.arange(3))
+    dynamics, _ = make_dynamics(mdp)
+    novelty = intrinsic.values("rnd", found.lane.novelty, jnp.zeros(3), dynamics, jnp.arange(3))
     assert novelty[0] < 0.1 * novelty[2]
     assert novelty[1] < 0.1 * novelty[2]
 
@@ -115,14 +115,14 @@ def test_bad_settings_are_refused(change, says):
 
 
 def test_the_scale_of_distances_is_their_running_mean_square():
-    task, rows = make_task(row(3, 2, np.zeros((3, 2))))
-    kept = intrinsic.init("rnd", task, rows, jax.random.key(0))
+    dynamics, rows = make_dynamics(row(3, 2, np.zeros((3, 2))))
+    kept = intrinsic.init("rnd", dynamics, rows, jax.random.key(0))
     entered = jnp.array([[0, 1, 1]])
     distance = jnp.square(
-        kept.predictor(task.inputs[entered]) - kept.target(task.inputs[entered])
+        kept.predictor(dynamics.inputs[entered]) - kept.target(dynamics.inputs[entered])
     ).mean(axis=-1)
-    after = intrinsic.visited("rnd", kept, task, entered)
+    after = intrinsic.visited("rnd", kept, dynamics, entered)
     expected = 0.999 * 1 + 0.001 * float(jnp.square(distance).mean())
     assert float(after.scale) == pytest.approx(expected, rel=1e-5)
-    told = intrinsic.values("rnd", kept, jnp.zeros(3), task, entered)
+    told = intrinsic.values("rnd", kept, jnp.zeros(3), dynamics, entered)
     np.testing.assert_allclose(told, distance, rtol=1e-4)

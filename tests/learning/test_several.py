@@ -75,7 +75,7 @@ def test_a_tool_that_may_fail_among_several_is_trained_with():
     Path("slips.txt").write_text(f"P = picker slip 0.5\n{ROOM}")
     assert main(["train", "slips.txt", *SHORT, "--out", "run"]) == 0
     job, sure = Job.of(0, Config(world="slips.txt")), Job.of(0, Config(world="room.txt"))
-    assert (job.task[0].transitions.outcomes, sure.task[0].transitions.outcomes) == (2, 1)
+    assert (job.dynamics[0].transitions.outcomes, sure.dynamics[0].transitions.outcomes) == (2, 1)
     assert job.best_return <= sure.best_return
 
 

@@ -13,11 +13,11 @@ from habilis.cache import fingerprint
 from habilis.cli import main
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.folder import load_run
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.replay import best_return_from, greedy_actions, play, success, table_of
 from habilis.learning.runner import train
-from habilis.learning.task import make_task
 from habilis.learning.training_problem import (
     DEFAULT_CONDITIONS,
     Conditions,
@@ -95,12 +95,12 @@ def test_every_outcome_of_an_action_has_its_share():
 
 
 def test_a_transition_index_encodes_state_action_and_outcome(world):
-    task, _ = make_task(hb.tabulate(world))
-    states, actions = jnp.divmod(jnp.arange(task.states * task.actions), task.actions)
+    dynamics, _ = make_dynamics(hb.tabulate(world))
+    states, actions = jnp.divmod(jnp.arange(dynamics.states * dynamics.actions), dynamics.actions)
     for draw in (0.0, 0.999):
-        done = task.transition(states, actions, jnp.full(len(states), draw))
-        assert (task.state_of(done) == states).all()
-        assert (task.action_of(done) == actions).all()
+        done = dynamics.transition(states, actions, jnp.full(len(states), draw))
+        assert (dynamics.state_of(done) == states).all()
+        assert (dynamics.action_of(done) == actions).all()
 
 
 @pytest.mark.parametrize(
@@ -209,7 +209,7 @@ def test_the_command_line_trains_watches_and_says_how_often_it_succeeds(capsys):
 def test_actions_may_slip_too(capsys):
     slips = LEARN.changed(world="fails.txt", slip=0.1, algorithm="soft-value-iteration")
     job = Job.of(0, slips)
-    assert job.task[0].transitions.outcomes > 2
+    assert job.dynamics[0].transitions.outcomes > 2
     assert job.best_return < Job.of(0, LEARN).best_return
     measured = hb.tabulate(job.world, slip=0.1)
     assert fingerprint(job.mdp.transitions) == fingerprint(measured.transitions)

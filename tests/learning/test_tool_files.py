@@ -145,7 +145,7 @@ def test_a_copy_of_the_picker_is_learned_with_as_the_picker_is(folder):
     assert own.world.tool == "copied.py:Copy"
     assert own.table.tobytes() == ours.table.tobytes()
     assert own.best_return == ours.best_return
-    same = jax.tree.map(np.array_equal, own.task[0], ours.task[0])
+    same = jax.tree.map(np.array_equal, own.dynamics[0], ours.dynamics[0])
     assert all(jax.tree.leaves(same))
 
 

@@ -10,9 +10,9 @@ from updates import chain, rollouts_of, updates
 from habilis.learning import intrinsic
 from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.episodes import Ledger
 from habilis.learning.runs import Record
-from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
 LEARNER = A2C(envs=6, rollout=0, hidden=(8,), schedule="episodes")
@@ -70,14 +70,14 @@ def test_states_are_counted_where_they_were_entered(made):
 
 def test_a_network_is_distilled_from_the_states_that_were_entered():
     """From all steps with a mask, and from those alone that it leaves."""
-    task, rows = make_task(chain(6))
-    kept = intrinsic.init("rnd", task, rows, jax.random.key(0))
+    dynamics, rows = make_dynamics(chain(6))
+    kept = intrinsic.init("rnd", dynamics, rows, jax.random.key(0))
     states, mask = jnp.array([[1, 2], [3, 5], [4, 5]]), jnp.array([[1, 1], [1, 0], [1, 0]], bool)
-    masked = intrinsic.visited("rnd", kept, task, states, mask)
-    alone = intrinsic.visited("rnd", kept, task, states[mask][:, None])
+    masked = intrinsic.visited("rnd", kept, dynamics, states, mask)
+    alone = intrinsic.visited("rnd", kept, dynamics, states[mask][:, None])
     for ours, wanted in zip(jax.tree.leaves(masked), jax.tree.leaves(alone), strict=True):
         np.testing.assert_allclose(ours, wanted, rtol=1e-5, atol=1e-7)
-    everything = intrinsic.visited("rnd", kept, task, states)
+    everything = intrinsic.visited("rnd", kept, dynamics, states)
     assert float(everything.scale) != pytest.approx(float(alone.scale), rel=1e-6)
 
 

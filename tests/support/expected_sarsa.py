@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from habilis.checks import above_zero, at_least, check_types, setting, share
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.rollout import Context, Experience, masked, sample_action
-from habilis.learning.task import Task
 
 
 class Values(NamedTuple):
@@ -41,8 +41,8 @@ class ExpectedSarsa:
     def counts_episodes(self) -> bool:
         return False
 
-    def init(self, task: Task, rows: int, key: PRNGKeyArray) -> Values:
-        return Values(jnp.zeros((task.states, task.actions)))
+    def init(self, dynamics: Dynamics, rows: int, key: PRNGKeyArray) -> Values:
+        return Values(jnp.zeros((dynamics.states, dynamics.actions)))
 
     def act(
         self,
@@ -52,23 +52,23 @@ class ExpectedSarsa:
         draw: Float[Array, "E"],
     ) -> tuple[Int[Array, "E"], tuple[()]]:
         logits = train_state.parameters[state] / self.softness
-        return sample_action(logits, draw, context.task.available_in(state)), ()
+        return sample_action(logits, draw, context.dynamics.available_in(state)), ()
 
     def update(
         self, context: Context, train_state: Values, experience: Experience
     ) -> tuple[Values, Float[Array, ""]]:
-        e, task = experience, context.task
+        e, dynamics = experience, context.dynamics
 
         def once(q: Float[Array, "S A"], _: None) -> tuple[Array, Array]:
-            value = jnp.where(e.terminated, 0.0, self.values(task, q)[e.next_state])
+            value = jnp.where(e.terminated, 0.0, self.values(dynamics, q)[e.next_state])
             error = e.reward + self.discount * value - q[e.state, e.action]
             return q.at[e.state, e.action].add(self.learning_rate * error / self.envs), error
 
         q, errors = jax.lax.scan(once, train_state.parameters, length=self.passes)
         return Values(q), jnp.square(errors).mean()
 
-    def policy(self, task: Task, parameters: Float[Array, "S A"]) -> Float[Array, "S A"]:
-        return jax.nn.softmax(masked(parameters / self.softness, task.available))
+    def policy(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S A"]:
+        return jax.nn.softmax(masked(parameters / self.softness, dynamics.available))
 
-    def values(self, task: Task, parameters: Float[Array, "S A"]) -> Float[Array, "S"]:
-        return (self.policy(task, parameters) * parameters).sum(axis=-1)
+    def values(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S"]:
+        return (self.policy(dynamics, parameters) * parameters).sum(axis=-1)

@@ -8,10 +8,10 @@ import numpy as np
 
 from habilis.learning.algorithms.a2c import A2C
 from habilis.learning.config import Config
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, advance, settings_of, start_lanes
 from habilis.learning.networks import Network, Separate
-from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
 QUICK_A2C = A2C(
@@ -41,17 +41,17 @@ class Learned(NamedTuple):
 
 def learn(mdp: TabularMDP, config: Config, updates: int = 1500, table=None) -> Learned:
     """Trains one agent on a table."""
-    task, rows = make_task(mdp, observation=config.observation)
+    dynamics, rows = make_dynamics(mdp, observation=config.observation)
     program = replace(Program.of(config, rows, 1), updates=updates)
     settings = settings_of(config, np.zeros(mdp.states) if table is None else np.asarray(table))
     settings = jax.tree.map(lambda leaf: np.asarray(leaf)[None], settings)
-    lanes = start_lanes(task, program, jax.random.key(config.seed)[None])
-    lanes, log = jax.tree.map(np.asarray, advance(task, settings, lanes, program))
+    lanes = start_lanes(dynamics, program, jax.random.key(config.seed)[None])
+    lanes, log = jax.tree.map(np.asarray, advance(dynamics, settings, lanes, program))
     lane = jax.tree.map(lambda leaf: leaf[0], lanes)
     parameters = lane.train_state.parameters
-    policy = config.algorithm.policy(task, parameters)
+    policy = config.algorithm.policy(dynamics, parameters)
     is_network = isinstance(parameters, Network | Separate)
-    values = parameters(task.inputs)[:, -1] if is_network else parameters
+    values = parameters(dynamics.inputs)[:, -1] if is_network else parameters
     ledger, envs = Ledger.of(mdp), config.algorithm.envs
     transition, truncated = (part[0].reshape(-1, envs) for part in (log.transition, log.truncated))
     episodes, _ = ledger.entries(ledger.nothing(envs), transition, truncated)

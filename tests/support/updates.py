@@ -17,10 +17,10 @@ from habilis.learning.algorithms import ALGORITHMS, actor_critic
 from habilis.learning.algorithms.ppo import PPO
 from habilis.learning.algorithms.protocol import bound
 from habilis.learning.config import COORDINATES, Config
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.lanes import Lane, Log, Program, advance, settings_of, start_lanes
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Context, Experience
-from habilis.learning.task import make_task
 from habilis.mdp import HELD, TabularMDP
 
 
@@ -56,16 +56,16 @@ def chain(states: int, available: bool = True) -> TabularMDP:
 
 def updates(mdp: TabularMDP, config: Config, count: int = 2) -> list[Update]:
     """The first updates of one run, each a stretch of its own."""
-    task, rows = make_task(mdp, observation=config.observation)
+    dynamics, rows = make_dynamics(mdp, observation=config.observation)
     program = replace(Program.of(config, rows, 1), updates=1)
     settings = jax.tree.map(
         lambda leaf: np.asarray(leaf)[None], settings_of(config, np.zeros(mdp.states))
     )
-    lanes = start_lanes(task, program, jax.random.key(config.seed)[None])
+    lanes = start_lanes(dynamics, program, jax.random.key(config.seed)[None])
     found = []
     for _ in range(count):
         before = jax.tree.map(np.array, lanes)  # copied, for it is given away
-        lanes, log = advance(task, settings, lanes, program)
+        lanes, log = advance(dynamics, settings, lanes, program)
         one = jax.tree.map(lambda leaf: np.array(leaf)[0], (before, lanes, log))
         found.append(Update(*one))
     return found
@@ -170,15 +170,15 @@ def advantages_of(
     mdp: TabularMDP, config: Config, update: Update, rollout: Rollout
 ) -> tuple[np.ndarray, np.ndarray]:
     """Advantages and targets of an update as the learner has them."""
-    task, _ = make_task(mdp, observation=config.observation)
+    dynamics, _ = make_dynamics(mdp, observation=config.observation)
     network = jax.tree.map(jnp.asarray, update.before.train_state.parameters)
     transition = jnp.asarray(np.maximum(update.log.transition[0], 0))
     terminal = rollout.truncated & config.limit_is_terminal
     nothing: Any = None
     experience = Experience(
-        state=task.state_of(transition),
-        action=task.action_of(transition),
-        next_state=task.transitions.next_state[transition],
+        state=dynamics.state_of(transition),
+        action=dynamics.action_of(transition),
+        next_state=dynamics.transitions.next_state[transition],
         reward=jnp.asarray(rollout.rewards * config.algorithm.reward_scale, jnp.float32),
         terminated=jnp.asarray(rollout.terminated | terminal),
         truncated=jnp.asarray(rollout.truncated & ~terminal),
@@ -191,9 +191,9 @@ def advantages_of(
 
     @jax.jit
     def advantages(network: Any, experience: Any) -> tuple[Any, Any]:
-        shown = task.inputs[experience.state]
+        shown = dynamics.inputs[experience.state]
         aux = actor_critic.Decision(shown, network.activations(shown))
-        context = Context(task, jnp.float32(0), jax.random.key(0), jnp.abs)
+        context = Context(dynamics, jnp.float32(0), jax.random.key(0), jnp.abs)
         return actor_critic.advantages(algorithm, context, network, experience._replace(aux=aux))
 
     advantage, target = advantages(network, experience)

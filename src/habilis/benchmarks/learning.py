@@ -93,7 +93,7 @@ class Loop:
     """The compiled loop with what goes into it, and parts of it alone."""
 
     def __init__(self, job: Job, settings: Settings, lanes: Lane) -> None:
-        self.task, self.program = job.task[0], replace(job.program, updates=UPDATES)
+        self.dynamics, self.program = job.dynamics[0], replace(job.program, updates=UPDATES)
         self.settings, self.lanes = settings, lanes
 
     @classmethod
@@ -107,7 +107,7 @@ class Loop:
 
     def train(self) -> None:
         self.lanes, _ = jax.block_until_ready(
-            advance(self.task, self.settings, self.lanes, self.program)
+            advance(self.dynamics, self.settings, self.lanes, self.program)
         )
 
     def draw(self) -> None:
@@ -124,12 +124,12 @@ class Loop:
         self, train_states: Any, env_states: EnvState, draws: Float[Array, "lanes updates T E"]
     ):
         def one_lane(train_state, env_state, draws):
-            context: Any = Context(self.task, jnp.float32(0), jax.random.key(0), jnp.abs)
+            context: Any = Context(self.dynamics, jnp.float32(0), jax.random.key(0), jnp.abs)
             act = partial(A2C.act, context, train_state)
             limit = jnp.float32(CONFIG.episode_limit)
 
             def update(env_state, draws):
-                env_state, trajectory = rollout(self.task, act, env_state, limit, draws)
+                env_state, trajectory = rollout(self.dynamics, act, env_state, limit, draws)
                 return env_state, trajectory.transition.sum()
 
             return jax.lax.scan(update, env_state, draws)

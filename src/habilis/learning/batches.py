@@ -199,8 +199,8 @@ def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _
     """A stretch of training, and what it adds to the records. Changes no record."""
     job = seats[0].job
     before, places = side_by_side(seats, width, device)
-    task = jax.device_put(job.task[0], device)
-    lanes, log = advance(task, before.settings, before.lanes, job.program)
+    dynamics = jax.device_put(job.dynamics[0], device)
+    lanes, log = advance(dynamics, before.settings, before.lanes, job.program)
     stack = Stack(device, before.settings, lanes)
     sound = finite(stack)
     log = jax.tree.map(np.asarray, log)

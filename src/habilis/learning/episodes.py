@@ -12,7 +12,7 @@ from habilis.transitions import Transitions
 
 @dataclass(frozen=True, eq=False)
 class Ledger:
-    """The quantities to sum over an episode, for every transition, numbered as in `Task`.
+    """The quantities to sum over an episode, for every transition, numbered as in `Dynamics`.
 
     Attributes:
         columns: float64[S*A*K, 2 + flags]: a step, its extrinsic reward, and the flags of the

@@ -11,9 +11,9 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 from habilis.empowerment import empowerment
 from habilis.empowerment.combined import check_names
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Hyperparams
-from habilis.learning.task import Task
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
 from habilis.rewards.shaping import regularised
@@ -66,13 +66,13 @@ def weights(config: Config) -> dict[str, float]:
     return config.bonus.numbers(config.algorithm.discount)
 
 
-def init(kind: str, task: Task, rows: int, key: PRNGKeyArray) -> Any:
+def init(kind: str, dynamics: Dynamics, rows: int, key: PRNGKeyArray) -> Any:
     """The state of a reward that changes while it is earned."""
     if kind == COUNT:
-        return jnp.zeros(task.states)
+        return jnp.zeros(dynamics.states)
     if kind == DISTILLATION:
         target, predictor = (
-            Network(rows, task.inputs.shape[1], _FEATURES, (_WIDTH,), k, gain=1.0)
+            Network(rows, dynamics.inputs.shape[1], _FEATURES, (_WIDTH,), k, gain=1.0)
             for k in jax.random.split(key)
         )
         return Distillation(target, predictor, _optimizer().init(_tree(predictor)), jnp.float32(1))
@@ -80,22 +80,22 @@ def init(kind: str, task: Task, rows: int, key: PRNGKeyArray) -> Any:
 
 
 def values(
-    kind: str, novelty: Any, table: Float[Array, "S"], task: Task, states: Int[Array, "*n"]
+    kind: str, novelty: Any, table: Float[Array, "S"], dynamics: Dynamics, states: Int[Array, "*n"]
 ) -> Float[Array, "*n"]:
     """M of some states."""
     if kind == COUNT:
         return jax.lax.rsqrt(novelty[states] + 1)
     if kind == DISTILLATION:
-        return _distance(novelty.predictor, novelty.target, task.inputs[states]) * jax.lax.rsqrt(
-            novelty.scale + 1e-8
-        )
+        return _distance(
+            novelty.predictor, novelty.target, dynamics.inputs[states]
+        ) * jax.lax.rsqrt(novelty.scale + 1e-8)
     return table[states]
 
 
 def visited(
     kind: str,
     novelty: Any,
-    task: Task,
+    dynamics: Dynamics,
     states: Int[Array, "T E"],
     mask: Bool[Array, "T E"] | None = None,
 ) -> Any:
@@ -105,7 +105,7 @@ def visited(
         visits = 1.0 if flat is None else flat.astype(novelty.dtype)
         return novelty.at[states.reshape(-1)].add(visits)
     if kind == DISTILLATION:
-        inputs = task.inputs[states.reshape(-1)]
+        inputs = dynamics.inputs[states.reshape(-1)]
 
         def loss(predictor: Network) -> tuple[Float[Array, ""], Float[Array, "n"]]:
             distance = _distance(predictor, novelty.target, inputs)

@@ -12,11 +12,11 @@ from jaxtyping import Float
 from habilis.cache import fingerprint
 from habilis.learning import intrinsic
 from habilis.learning.config import NO_INTRINSIC, Config
+from habilis.learning.dynamics import Dynamics, make_dynamics, roomy
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
 from habilis.learning.stacks import InStack
-from habilis.learning.task import Task, make_task, roomy
 from habilis.learning.training_problem import KEPT, Conditions, best_return, training_problem
 from habilis.mdp import TabularMDP
 from habilis.worlds.world import World, load_world
@@ -89,18 +89,18 @@ class Job:
         return Conditions.of(self.config)
 
     @cached_property
-    def task(self) -> tuple[Task, int]:
+    def dynamics(self) -> tuple[Dynamics, int]:
         # A table of values would have some for states that nobody comes to.
         with_room = self.config.starts > 0 and not self.config.algorithm.tabular
         return _task(self.world, self.conditions, with_room, self.config.observation)
 
     @cached_property
     def program(self) -> Program:
-        return Program.of(self.config, self.task[1], STRETCH)
+        return Program.of(self.config, self.dynamics[1], STRETCH)
 
     @cached_property
     def settings(self) -> Settings:
-        more = self.task[0].states - self.mdp.states
+        more = self.dynamics[0].states - self.mdp.states
         return settings_of(self.config, np.pad(self.table, (0, more)))
 
     @cached_property
@@ -118,7 +118,7 @@ class Job:
     def start(self, run: int) -> Lane:
         """A run before its first step; its random numbers are its own."""
         key = jax.random.fold_in(jax.random.key(self.config.seed), self.numbers[run])
-        lanes = start_lanes(self.task[0], self.program, key[None])
+        lanes = start_lanes(self.dynamics[0], self.program, key[None])
         return jax.tree.map(lambda leaf: np.asarray(leaf)[0], lanes)
 
     def result(self) -> Run:
@@ -159,11 +159,11 @@ def digest_of_own_tool(world: World) -> str | None:
 @lru_cache(KEPT)
 def _task(
     world: World, conditions: Conditions, with_room: bool, observation: str
-) -> tuple[Task, int]:
+) -> tuple[Dynamics, int]:
     problem = training_problem(world, conditions)
     initial = problem.seen if conditions.starts else None
-    task, rows = make_task(problem.mdp, initial, observation)
-    return roomy(task) if with_room else task, rows
+    dynamics, rows = make_dynamics(problem.mdp, initial, observation)
+    return roomy(dynamics) if with_room else dynamics, rows
 
 
 @lru_cache(KEPT)

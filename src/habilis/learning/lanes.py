@@ -12,6 +12,7 @@ from jaxtyping import Array, Bool, Float, Int, Key, PRNGKeyArray, UInt32
 from habilis.learning import intrinsic
 from habilis.learning.algorithms.protocol import Algorithm, bound, hyperparams_of, static_part
 from habilis.learning.config import Config
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.rollout import (
     Context,
     EnvState,
@@ -20,7 +21,6 @@ from habilis.learning.rollout import (
     rollout,
     whole_episodes,
 )
-from habilis.learning.task import Task
 
 
 @dataclass(frozen=True)
@@ -118,18 +118,20 @@ def settings_of(config: Config, table: Float[np.ndarray, "S"]) -> Settings:
 
 
 @partial(jax.jit, static_argnames="program")
-def start_lanes(task: Task, program: Program, keys: Key[Array, "L"]) -> Lane:
+def start_lanes(dynamics: Dynamics, program: Program, keys: Key[Array, "L"]) -> Lane:
     """Runs before their first step, one for each key."""
 
     def one_lane(key: PRNGKeyArray) -> Lane:
         for_learner, for_novelty, for_acting = jax.random.split(key, 3)
         envs = program.algorithm.envs
         begin = (
-            jnp.full(envs, task.start) if task.start.ndim == 0 else _first(task, for_acting, envs)
+            jnp.full(envs, dynamics.start)
+            if dynamics.start.ndim == 0
+            else _first(dynamics, for_acting, envs)
         )
         return Lane(
-            train_state=program.algorithm.init(task, program.rows, for_learner),
-            novelty=intrinsic.init(program.intrinsic, task, program.rows, for_novelty),
+            train_state=program.algorithm.init(dynamics, program.rows, for_learner),
+            novelty=intrinsic.init(program.intrinsic, dynamics, program.rows, for_novelty),
             env_state=EnvState(begin, jnp.zeros(envs, jnp.int32)),
             key=jax.random.key_data(for_acting),
             updates=jnp.int32(0),
@@ -140,11 +142,13 @@ def start_lanes(task: Task, program: Program, keys: Key[Array, "L"]) -> Lane:
 
 
 @partial(jax.jit, static_argnames="program")
-def advance(task: Task, settings: Settings, lanes: Lane, program: Program) -> tuple[Lane, Log]:
+def advance(
+    dynamics: Dynamics, settings: Settings, lanes: Lane, program: Program
+) -> tuple[Lane, Log]:
     """Trains every lane for a stretch.
 
     Args:
-        task: shared by all lanes.
+        dynamics: shared by all lanes.
         settings, lanes: with a leading axis of lanes.
         program: fixed at compilation.
 
@@ -158,24 +162,24 @@ def advance(task: Task, settings: Settings, lanes: Lane, program: Program) -> tu
         stretch = jax.random.fold_in(jax.random.wrap_key_data(lane.key), lane.updates)
         shape = (program.updates, program.rollout_length, algorithm.envs)
         draws = jax.random.uniform(stretch, shape)
-        several = task.start.ndim > 0
+        several = dynamics.start.ndim > 0
         starts = jax.random.uniform(jax.random.fold_in(stretch, 1), shape) if several else None
-        stochastic = task.transitions.outcomes > 1
+        stochastic = dynamics.transitions.outcomes > 1
         noise = jax.random.uniform(jax.random.fold_in(stretch, 3), shape) if stochastic else None
         drawn = draws, starts, noise
-        return jax.lax.scan(partial(_update, task, settings, program), lane, drawn)
+        return jax.lax.scan(partial(_update, dynamics, settings, program), lane, drawn)
 
     return jax.vmap(one_lane)(settings, lanes)
 
 
-def _first(task: Task, key: PRNGKeyArray, envs: int) -> Int[Array, "E"]:
+def _first(dynamics: Dynamics, key: PRNGKeyArray, envs: int) -> Int[Array, "E"]:
     """Where the first episodes begin, if there are several initial states."""
     before = jax.random.fold_in(jax.random.fold_in(key, 0), 2)  # no key of any stretch
-    return task.begin(jax.random.uniform(before, (envs,)))
+    return dynamics.begin(jax.random.uniform(before, (envs,)))
 
 
 def _update(
-    task: Task, settings: Settings, program: Program, lane: Lane, drawn: tuple
+    dynamics: Dynamics, settings: Settings, program: Program, lane: Lane, drawn: tuple
 ) -> tuple[Lane, Log]:
     """One rollout, and what is learned from it."""
     draws, starts, noise = drawn
@@ -186,28 +190,28 @@ def _update(
         global_step, episodes = (number.astype(jnp.float32) for number in lane.counts)
 
     def value(states: Int[Array, "*n"]) -> Float[Array, "*n"]:
-        return intrinsic.values(program.intrinsic, lane.novelty, settings.table, task, states)
+        return intrinsic.values(program.intrinsic, lane.novelty, settings.table, dynamics, states)
 
     def reward_fn(transition: Int[Array, "*n"]) -> Float[Array, "*n"]:
         return intrinsic.reward(
             hyperparams,
-            task.transitions.reward[transition],
-            value(task.transitions.next_state[transition]),
-            value(task.state_of(transition)),
-            task.terminated(transition),
+            dynamics.transitions.reward[transition],
+            value(dynamics.transitions.next_state[transition]),
+            value(dynamics.state_of(transition)),
+            dynamics.terminated(transition),
             global_step,
         )
 
     algorithm = bound(program.algorithm, hyperparams)
     context = Context(
-        task=task,
+        dynamics=dynamics,
         global_step=global_step,
         key=jax.random.fold_in(jax.random.wrap_key_data(lane.key), -1 - lane.updates),
         reward_fn=reward_fn,
         episodes=episodes,
     )
     env_state, trajectory = (whole_episodes if program.whole_episodes else rollout)(
-        task,
+        dynamics,
         partial(algorithm.act, context, lane.train_state),
         lane.env_state,
         hyperparams["episode_limit"],
@@ -215,13 +219,13 @@ def _update(
         starts,
         noise,
     )
-    terminated = task.terminated(trajectory.transition)
+    terminated = dynamics.terminated(trajectory.transition)
     truncated = trajectory.truncated
     terminal = truncated & (hyperparams["limit_is_terminal"] > 0)
     experience = Experience(
         state=trajectory.state,
-        action=task.action_of(trajectory.transition),
-        next_state=task.transitions.next_state[trajectory.transition],
+        action=dynamics.action_of(trajectory.transition),
+        next_state=dynamics.transitions.next_state[trajectory.transition],
         reward=reward_fn(trajectory.transition),
         terminated=terminated | terminal,
         truncated=truncated & ~terminal,
@@ -231,7 +235,7 @@ def _update(
     )
     train_state, loss = algorithm.update(context, lane.train_state, experience)
     novelty = intrinsic.visited(
-        program.intrinsic, lane.novelty, task, experience.next_state, experience.mask
+        program.intrinsic, lane.novelty, dynamics, experience.next_state, experience.mask
     )
     counts = lane.counts
     if isinstance(counts, Counts):

@@ -10,10 +10,10 @@ from jaxtyping import Array, Float, Int
 
 from habilis.learning import intrinsic
 from habilis.learning.algorithms.protocol import bound
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Lane, Program, Settings
 from habilis.learning.runs import Metrics
-from habilis.learning.task import Task
 from habilis.rewards.shaping import beta_after
 
 EPISODES = 100
@@ -35,7 +35,7 @@ def _metrics(job: Job, run: int) -> Metrics:
     recent = record.episodes()[-EPISODES:]
     steps, episode_return = recent[:, :2].mean(axis=0) if len(recent) else (np.nan, np.nan)
     entropy, bonus, beta = _measured(
-        job.task[0],
+        job.dynamics[0],
         job.settings,
         job.lane(run),
         jnp.asarray(record.last.transitions),
@@ -58,7 +58,7 @@ def _metrics(job: Job, run: int) -> Metrics:
 
 @partial(jax.jit, static_argnames="program")
 def _measured(
-    task: Task,
+    dynamics: Dynamics,
     settings: Settings,
     lane: Lane,
     transitions: Int[Array, "n"],
@@ -69,11 +69,13 @@ def _measured(
 
     A tabular policy explores in other ways than by its entropy, which is NaN.
     """
-    states, reached = task.state_of(transitions), task.transitions.next_state[transitions]
+    states, reached = dynamics.state_of(transitions), dynamics.transitions.next_state[transitions]
     entropy = jnp.float32(jnp.nan)
     if not program.algorithm.tabular:
         algorithm = bound(program.algorithm, settings.hyperparams)
-        policy = algorithm.policy(task.only(states), lane.train_state.parameters)
+        policy = algorithm.policy(dynamics.only(states), lane.train_state.parameters)
         entropy = jax.scipy.special.entr(policy).sum(axis=-1).mean()
-    bonus = intrinsic.values(program.intrinsic, lane.novelty, settings.table, task, reached).mean()
+    bonus = intrinsic.values(
+        program.intrinsic, lane.novelty, settings.table, dynamics, reached
+    ).mean()
     return entropy, bonus, beta_after(settings.hyperparams, global_step, jnp)

@@ -7,8 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.runs import Run
-from habilis.learning.task import make_task
 from habilis.learning.training_problem import (
     Conditions,
     expected_returns,
@@ -87,8 +87,8 @@ def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
         mdp: the table of its world.
         index: which of its runs.
     """
-    task, _ = make_task(mdp, observation=run.config.observation)
-    policy = run.config.algorithm.policy(task, _parameters(run, index))
+    dynamics, _ = make_dynamics(mdp, observation=run.config.observation)
+    policy = run.config.algorithm.policy(dynamics, _parameters(run, index))
     return np.asarray(policy.argmax(axis=-1))
 
 
@@ -106,8 +106,8 @@ def learned(run: Run, mdp: TabularMDP, index: int) -> tuple[np.ndarray, np.ndarr
         intrinsic ones included.
     """
     algorithm, parameters = run.config.algorithm, _parameters(run, index)
-    task, _ = make_task(mdp, observation=run.config.observation)
-    policy, values = algorithm.policy(task, parameters), algorithm.values(task, parameters)
+    dynamics, _ = make_dynamics(mdp, observation=run.config.observation)
+    policy, values = algorithm.policy(dynamics, parameters), algorithm.values(dynamics, parameters)
     return np.asarray(policy), np.asarray(values) / algorithm.reward_scale
 
 

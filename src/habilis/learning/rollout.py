@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
-from habilis.learning.task import Task
+from habilis.learning.dynamics import Dynamics
 
 _UNROLL = 5  # more steps compile longer and run no faster
 
@@ -21,14 +21,14 @@ class Context:
     """The inputs of an update of one lane, besides the settings and the train state.
 
     Attributes:
-        task: the table.
+        dynamics: the table.
         global_step: environment steps so far.
         key: for random numbers of the update.
         reward_fn: the reward to learn from, extrinsic and intrinsic, of any transitions.
         episodes: that have ended so far, where the algorithm counts them.
     """
 
-    task: Task
+    dynamics: Dynamics
     global_step: Float[Array, ""]
     key: PRNGKeyArray
     reward_fn: Callable[[Int[Array, "*n"]], Float[Array, "*n"]]
@@ -76,7 +76,7 @@ Act = Callable[[Int[Array, "E"], Float[Array, "E"]], tuple[Int[Array, "E"], Any]
 
 
 def rollout(
-    task: Task,
+    dynamics: Dynamics,
     act: Act,
     env_state: EnvState,
     episode_limit: Float[Array, ""],
@@ -91,7 +91,7 @@ def rollout(
     """
 
     def step(env_state: EnvState, drawn: tuple) -> tuple[EnvState, Trajectory]:
-        after, made, _ = _step(task, act, env_state, episode_limit, *drawn)
+        after, made, _ = _step(dynamics, act, env_state, episode_limit, *drawn)
         return after, made
 
     # A few steps a turn of the compiled loop: its turns cost as much as the small operations in it.
@@ -99,7 +99,7 @@ def rollout(
 
 
 def _step(
-    task: Task,
+    dynamics: Dynamics,
     act: Act,
     env_state: EnvState,
     episode_limit: Float[Array, ""],
@@ -109,17 +109,17 @@ def _step(
 ) -> tuple[EnvState, Trajectory, Bool[Array, "E"]]:
     """One step of E environments: where they are then, the step, and which episodes ended."""
     action, aux = act(env_state.state, draw)
-    transition = task.transition(env_state.state, action, noise)
-    reached = task.goes_on[transition]
+    transition = dynamics.transition(env_state.state, action, noise)
+    reached = dynamics.goes_on[transition]
     steps = env_state.steps + 1
     truncated = (reached >= 0) & (steps >= episode_limit)
     ended = (reached < 0) | truncated
-    after = EnvState(jnp.where(ended, task.begin(start), reached), jnp.where(ended, 0, steps))
+    after = EnvState(jnp.where(ended, dynamics.begin(start), reached), jnp.where(ended, 0, steps))
     return after, Trajectory(env_state.state, transition, truncated, aux), ended
 
 
 def whole_episodes(
-    task: Task,
+    dynamics: Dynamics,
     act: Act,
     env_state: EnvState,
     episode_limit: Float[Array, ""],
@@ -138,7 +138,7 @@ def whole_episodes(
         t: Int[Array, ""], env_state: EnvState
     ) -> tuple[EnvState, Trajectory, Bool[Array, "E"]]:
         drawn = jax.tree.map(lambda drawn: drawn[t], (draws, starts, noise))
-        return _step(task, act, env_state, episode_limit, *drawn)
+        return _step(dynamics, act, env_state, episode_limit, *drawn)
 
     def more(carry: tuple) -> Bool[Array, ""]:
         t, _, _, acting = carry

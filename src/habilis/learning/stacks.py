@@ -124,8 +124,8 @@ def _started(seats: Sequence[Seat], width: int, device: Any) -> Stack:
     job = seats[0].job
     seeds = np.array([seat.job.config.seed for seat in full], np.uint32)
     numbers = np.array([seat.job.numbers[seat.run] for seat in full], np.uint32)
-    task, seeds, numbers = jax.device_put((job.task[0], seeds, numbers), device)
-    lanes = start_lanes(task, job.program, _keys(seeds, numbers))
+    dynamics, seeds, numbers = jax.device_put((job.dynamics[0], seeds, numbers), device)
+    lanes = start_lanes(dynamics, job.program, _keys(seeds, numbers))
     settings = jax.device_put(_in_numpy([seat.job.settings for seat in full]), device)
     return Stack(device, settings, lanes)
 

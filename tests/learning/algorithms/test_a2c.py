@@ -14,10 +14,10 @@ from habilis.learning.algorithms.a2c import A2C, actor_critic_loss
 from habilis.learning.algorithms.actor_critic import OPTIMIZERS, TrainState, apply_gradient
 from habilis.learning.algorithms.protocol import bound
 from habilis.learning.config import Config
+from habilis.learning.dynamics import make_dynamics
 from habilis.learning.lanes import advance, settings_of
 from habilis.learning.networks import Network
 from habilis.learning.rollout import Context
-from habilis.learning.task import make_task
 from habilis.mdp import TabularMDP
 
 QUICK = Config(algorithm=QUICK_A2C, seed=3)
@@ -213,8 +213,8 @@ def test_the_loop_is_compiled_once_for_equal_shapes():
 
 
 def context_at(global_step):
-    task, _ = make_task(row(2, 1, [[1.0], [0.0]]))
-    return Context(task, jnp.float32(global_step), jax.random.key(0), jnp.abs)
+    dynamics, _ = make_dynamics(row(2, 1, [[1.0], [0.0]]))
+    return Context(dynamics, jnp.float32(global_step), jax.random.key(0), jnp.abs)
 
 
 def entropy_weight(global_step, **settings):

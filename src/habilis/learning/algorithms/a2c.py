@@ -10,9 +10,9 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray, Shaped
 from habilis.checks import setting
 from habilis.learning.algorithms import actor_critic, help_texts
 from habilis.learning.algorithms.actor_critic import Decision, TrainState
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.networks import ActorCritic
 from habilis.learning.rollout import Context, Experience
-from habilis.learning.task import Task
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,8 @@ class A2C:
     def counts_episodes(self) -> bool:
         return self.schedule == "episodes"
 
-    def init(self, task: Task, rows: int, key: PRNGKeyArray) -> TrainState:
-        return actor_critic.init(self, task, rows, key)
+    def init(self, dynamics: Dynamics, rows: int, key: PRNGKeyArray) -> TrainState:
+        return actor_critic.init(self, dynamics, rows, key)
 
     def act(
         self,
@@ -81,7 +81,7 @@ class A2C:
         if self.normalise:
             advantage = actor_critic.normalised(advantage, self.unbiased, experience.mask)
         inputs, activations = jax.tree.map(_flat, experience.aux)
-        available = context.task.available_in(experience.state.reshape(-1))
+        available = context.dynamics.available_in(experience.state.reshape(-1))
 
         def loss_of(outputs: Float[Array, "n outputs"], *rest: Any) -> Float[Array, ""]:
             return actor_critic_loss(actor_critic.masked_outputs(outputs, available), *rest)
@@ -98,11 +98,11 @@ class A2C:
         gradient = network.gradient(inputs, activations, of_outputs)
         return actor_critic.apply_gradient(self, context, train_state, gradient), loss
 
-    def policy(self, task: Task, parameters: ActorCritic) -> Float[Array, "S A"]:
-        return actor_critic.policy(task, parameters)
+    def policy(self, dynamics: Dynamics, parameters: ActorCritic) -> Float[Array, "S A"]:
+        return actor_critic.policy(dynamics, parameters)
 
-    def values(self, task: Task, parameters: ActorCritic) -> Float[Array, "S"]:
-        return actor_critic.values(task, parameters)
+    def values(self, dynamics: Dynamics, parameters: ActorCritic) -> Float[Array, "S"]:
+        return actor_critic.values(dynamics, parameters)
 
 
 def actor_critic_loss(

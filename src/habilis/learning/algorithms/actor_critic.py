@@ -9,6 +9,7 @@ import optax
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.checks import above_zero, at_least, check_types, one_of, share, widths
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.networks import (
     ACTIVATIONS,
     INITIALISATIONS,
@@ -26,7 +27,6 @@ from habilis.learning.rollout import (
     masked,
     sample_action,
 )
-from habilis.learning.task import Task
 
 if TYPE_CHECKING:
     from habilis.learning.algorithms.a2c import A2C
@@ -79,13 +79,13 @@ def check_settings(settings: "A2C | PPO") -> None:
         )
 
 
-def init(settings: "A2C | PPO", task: Task, rows: int, key: PRNGKeyArray) -> TrainState:
+def init(settings: "A2C | PPO", dynamics: Dynamics, rows: int, key: PRNGKeyArray) -> TrainState:
     """A train state with the initial weights that the settings name."""
     network = actor_critic_network(
         settings.networks,
         rows,
-        task.inputs.shape[1],
-        task.actions,
+        dynamics.inputs.shape[1],
+        dynamics.actions,
         settings.hidden,
         key,
         settings.activation,
@@ -102,18 +102,18 @@ def act(
     draw: Float[Array, "E"],
 ) -> tuple[Int[Array, "E"], Decision]:
     """An action drawn from the policy in each state."""
-    inputs = context.task.inputs[state]
+    inputs = context.dynamics.inputs[state]
     activations = train_state.parameters.activations(inputs)
-    available = context.task.available_in(state)
+    available = context.dynamics.available_in(state)
     return sample_action(activations[-1][:, :-1], draw, available), Decision(inputs, activations)
 
 
-def policy(task: Task, network: ActorCritic) -> Float[Array, "S A"]:
-    return jax.nn.softmax(masked(network(task.inputs)[:, :-1], task.available))
+def policy(dynamics: Dynamics, network: ActorCritic) -> Float[Array, "S A"]:
+    return jax.nn.softmax(masked(network(dynamics.inputs)[:, :-1], dynamics.available))
 
 
-def values(task: Task, network: ActorCritic) -> Float[Array, "S"]:
-    return network(task.inputs)[:, -1]
+def values(dynamics: Dynamics, network: ActorCritic) -> Float[Array, "S"]:
+    return network(dynamics.inputs)[:, -1]
 
 
 def masked_outputs(
@@ -134,7 +134,7 @@ def advantages(
     # an unseen future are two an environment: where it was truncated, and where it is now.
     cut = jnp.where(experience.truncated, experience.next_state, 0).sum(axis=0)
     bootstrapped = jnp.stack([cut, experience.last_state])
-    value_cut, value_last = network(context.task.inputs[bootstrapped])[..., -1]
+    value_cut, value_last = network(context.dynamics.inputs[bootstrapped])[..., -1]
     later = jnp.concatenate([value[1:], value_last[None]])
     advantage = generalised_advantages(
         experience.reward,

@@ -10,9 +10,9 @@ from jaxtyping import Array, Float, Int, PRNGKeyArray
 from habilis.checks import above_zero, at_least, setting
 from habilis.learning.algorithms import actor_critic, help_texts
 from habilis.learning.algorithms.actor_critic import Decision, TrainState
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.networks import ActorCritic
 from habilis.learning.rollout import Context, Experience, masked
-from habilis.learning.task import Task
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ class PPO:
     def counts_episodes(self) -> bool:
         return self.schedule == "episodes"
 
-    def init(self, task: Task, rows: int, key: PRNGKeyArray) -> TrainState:
-        return actor_critic.init(self, task, rows, key)
+    def init(self, dynamics: Dynamics, rows: int, key: PRNGKeyArray) -> TrainState:
+        return actor_critic.init(self, dynamics, rows, key)
 
     def act(
         self,
@@ -84,7 +84,7 @@ class PPO:
         """The train state after `epochs * minibatches` steps on a rollout, and the mean loss."""
         network = train_state.parameters
         advantage, target = actor_critic.advantages(self, context, network, experience)
-        available = context.task.available_in(experience.state)
+        available = context.dynamics.available_in(experience.state)
         logits = experience.aux.activations[-1][..., :-1]
         log_policy = jax.nn.log_softmax(masked(logits, available))
         old = jnp.take_along_axis(log_policy, experience.action[..., None], axis=-1)[..., 0]
@@ -121,11 +121,11 @@ class PPO:
         train_state, losses = jax.lax.scan(step, train_state, order)
         return train_state, losses.mean()
 
-    def policy(self, task: Task, parameters: ActorCritic) -> Float[Array, "S A"]:
-        return actor_critic.policy(task, parameters)
+    def policy(self, dynamics: Dynamics, parameters: ActorCritic) -> Float[Array, "S A"]:
+        return actor_critic.policy(dynamics, parameters)
 
-    def values(self, task: Task, parameters: ActorCritic) -> Float[Array, "S"]:
-        return actor_critic.values(task, parameters)
+    def values(self, dynamics: Dynamics, parameters: ActorCritic) -> Float[Array, "S"]:
+        return actor_critic.values(dynamics, parameters)
 
 
 def clipped_loss(

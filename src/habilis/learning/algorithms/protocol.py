@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, runtime_chec
 if TYPE_CHECKING:  # settings are read and checked where JAX is not installed
     from jaxtyping import Array, Float, Int, PRNGKeyArray
 
+    from habilis.learning.dynamics import Dynamics
     from habilis.learning.rollout import Context, Experience
-    from habilis.learning.task import Task
 
 
 @runtime_checkable
@@ -61,11 +61,11 @@ class Algorithm(Protocol):
         """The factor on the reward that it learns from."""
         ...
 
-    def init(self, task: "Task", rows: int, key: "PRNGKeyArray") -> Any:
+    def init(self, dynamics: "Dynamics", rows: int, key: "PRNGKeyArray") -> Any:
         """The train state before the first update.
 
         Args:
-            task: the table.
+            dynamics: the table.
             rows: how many rows the first weights of a network have.
             key: for the initial weights.
 
@@ -109,11 +109,11 @@ class Algorithm(Protocol):
         """
         ...
 
-    def policy(self, task: "Task", parameters: Any) -> "Float[Array, 'S A']":
+    def policy(self, dynamics: "Dynamics", parameters: Any) -> "Float[Array, 'S A']":
         """The policy that was learned, without exploration.
 
         Args:
-            task: the table.
+            dynamics: the table.
             parameters: of the train state.
 
         Returns:
@@ -121,11 +121,11 @@ class Algorithm(Protocol):
         """
         ...
 
-    def values(self, task: "Task", parameters: Any) -> "Float[Array, 'S']":
+    def values(self, dynamics: "Dynamics", parameters: Any) -> "Float[Array, 'S']":
         """The values that were learned.
 
         Args:
-            task: the table.
+            dynamics: the table.
             parameters: of the train state.
 
         Returns:

@@ -9,8 +9,8 @@ from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from habilis.checks import above_zero, at_least, check_types, setting, share
 from habilis.learning.algorithms import help_texts
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.rollout import Context, Experience, linear_schedule, masked
-from habilis.learning.task import Task
 
 
 class ActionValues(NamedTuple):
@@ -45,8 +45,8 @@ class QLearning:
     def counts_episodes(self) -> bool:
         return False
 
-    def init(self, task: Task, rows: int, key: PRNGKeyArray) -> ActionValues:
-        return ActionValues(jnp.zeros((task.states, task.actions)))
+    def init(self, dynamics: Dynamics, rows: int, key: PRNGKeyArray) -> ActionValues:
+        return ActionValues(jnp.zeros((dynamics.states, dynamics.actions)))
 
     def act(
         self,
@@ -56,8 +56,8 @@ class QLearning:
         draw: Float[Array, "E"],
     ) -> tuple[Int[Array, "E"], tuple[()]]:
         """Epsilon-greedy: one draw decides both whether to explore and where."""
-        available = context.task.available_in(state)
-        actions = context.task.actions if available is None else available.sum(axis=-1)
+        available = context.dynamics.available_in(state)
+        actions = context.dynamics.actions if available is None else available.sum(axis=-1)
         epsilon = linear_schedule(
             self.epsilon, self.epsilon_end, self.epsilon_steps, context.global_step
         )
@@ -75,11 +75,11 @@ class QLearning:
 
         Q(s, a) <- Q(s, a) + rate * (r + gamma * max over b in A(s') of Q(s', b) - Q(s, a))
         """
-        task = context.task
+        dynamics = context.dynamics
 
         def step(values: Float[Array, "S A"], one: tuple) -> tuple[Array, Array]:
             state, action, reward, next_state, terminated = one
-            best = masked(values[next_state], task.available_in(next_state)).max()
+            best = masked(values[next_state], dynamics.available_in(next_state)).max()
             future = jnp.where(terminated, 0.0, best)
             error = reward + self.discount * future - values[state, action]
             return values.at[state, action].add(self.learning_rate * error), jnp.square(error)
@@ -91,10 +91,10 @@ class QLearning:
         values, errors = jax.lax.scan(step, train_state.parameters, steps)
         return ActionValues(values), errors.mean()
 
-    def policy(self, task: Task, parameters: Float[Array, "S A"]) -> Float[Array, "S A"]:
+    def policy(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S A"]:
         """The greedy policy."""
-        best = masked(parameters, task.available).argmax(axis=-1)
-        return jax.nn.one_hot(best, task.actions)
+        best = masked(parameters, dynamics.available).argmax(axis=-1)
+        return jax.nn.one_hot(best, dynamics.actions)
 
-    def values(self, task: Task, parameters: Float[Array, "S A"]) -> Float[Array, "S"]:
-        return masked(parameters, task.available).max(axis=-1)
+    def values(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S"]:
+        return masked(parameters, dynamics.available).max(axis=-1)

@@ -10,8 +10,8 @@ from jaxtyping import Array, Float, Int, PRNGKeyArray
 from habilis.checks import above_zero, at_least, check_types, setting, share
 from habilis.learning.algorithms import help_texts
 from habilis.learning.algorithms.q_learning import ActionValues
+from habilis.learning.dynamics import Dynamics
 from habilis.learning.rollout import Context, Experience, masked, sample_action
-from habilis.learning.task import Task
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class SoftValueIteration:
     def counts_episodes(self) -> bool:
         return False
 
-    def init(self, task: Task, rows: int, key: PRNGKeyArray) -> ActionValues:
-        return ActionValues(jnp.zeros((task.states, task.actions)))
+    def init(self, dynamics: Dynamics, rows: int, key: PRNGKeyArray) -> ActionValues:
+        return ActionValues(jnp.zeros((dynamics.states, dynamics.actions)))
 
     def act(
         self,
@@ -52,7 +52,7 @@ class SoftValueIteration:
         draw: Float[Array, "E"],
     ) -> tuple[Int[Array, "E"], tuple[()]]:
         logits = train_state.parameters[state] / self.temperature
-        return sample_action(logits, draw, context.task.available_in(state)), ()
+        return sample_action(logits, draw, context.dynamics.available_in(state)), ()
 
     def update(
         self, context: Context, train_state: ActionValues, experience: Experience
@@ -62,25 +62,25 @@ class SoftValueIteration:
         The experience does not matter: transitions and their probabilities are known. The soft
         maximum is over the available actions.
         """
-        task = context.task
-        reward = context.reward_fn(jnp.arange(len(task.goes_on)))
-        ends, shares = task.goes_on < 0, task.transitions.probabilities
+        dynamics = context.dynamics
+        reward = context.reward_fn(jnp.arange(len(dynamics.goes_on)))
+        ends, shares = dynamics.goes_on < 0, dynamics.transitions.probabilities
 
         def backup(values: Float[Array, "S A"], _: None) -> tuple[Array, Array]:
-            soft = self.values(task, values)
-            future = jnp.where(ends, 0.0, soft[task.transitions.next_state])
+            soft = self.values(dynamics, values)
+            future = jnp.where(ends, 0.0, soft[dynamics.transitions.next_state])
             outcome = (reward + self.discount * future).reshape(shares.shape)
             new = (shares * outcome).sum(axis=1).reshape(values.shape)
-            if task.available is not None:
-                new = jnp.where(task.available, new, 0.0)
+            if dynamics.available is not None:
+                new = jnp.where(dynamics.available, new, 0.0)
             return new, jnp.abs(new - values).max()
 
         values, changes = jax.lax.scan(backup, train_state.parameters, length=self.sweeps)
         return ActionValues(values), changes[-1]
 
-    def policy(self, task: Task, parameters: Float[Array, "S A"]) -> Float[Array, "S A"]:
-        return jax.nn.softmax(masked(parameters / self.temperature, task.available))
+    def policy(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S A"]:
+        return jax.nn.softmax(masked(parameters / self.temperature, dynamics.available))
 
-    def values(self, task: Task, parameters: Float[Array, "S A"]) -> Float[Array, "S"]:
-        logits = masked(parameters / self.temperature, task.available)
+    def values(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S"]:
+        logits = masked(parameters / self.temperature, dynamics.available)
         return jax.nn.logsumexp(logits, axis=-1) * self.temperature

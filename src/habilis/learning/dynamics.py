@@ -1,4 +1,4 @@
-"""A table as the compiled loop wants it."""
+"""A table as arrays of the compiled training loop."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ ROOM = 1 << 13
 """To a multiple of which `roomy` brings the number of states."""
 
 
-class Task(NamedTuple):
+class Dynamics(NamedTuple):
     """The data shared by all lanes; transitions are numbered as in `Transitions`."""
 
     transitions: Transitions
@@ -39,7 +39,7 @@ class Task(NamedTuple):
         """The actions that may be taken in some states; `None`: all."""
         return None if self.available is None else self.available[state]
 
-    def only(self, states: Int[Array, "n"]) -> "Task":
+    def only(self, states: Int[Array, "n"]) -> "Dynamics":
         """The same with what is shown of, and may be done in, some states alone."""
         return self._replace(inputs=self.inputs[states], available=self.available_in(states))
 
@@ -66,11 +66,11 @@ class Task(NamedTuple):
         return self.goes_on[transition] < 0
 
 
-def make_task(
+def make_dynamics(
     mdp: TabularMDP,
     starts: Int[np.ndarray, "starts"] | None = None,
     observation: str = ONE_HOT,
-) -> tuple[Task, int]:
+) -> tuple[Dynamics, int]:
     """The table as arrays on the device, and how many rows the network's first weights have.
 
     Episodes begin in any of `starts`, or in the table's own.
@@ -90,7 +90,7 @@ def make_task(
     inputs, rows = one_hot(mdp) if observation == ONE_HOT else coordinates(mdp)
     transitions = Transitions.of(mdp)
     reached = transitions.next_state
-    task = Task(
+    dynamics = Dynamics(
         transitions=transitions.in_jax(),
         goes_on=jnp.asarray(np.where(ends[reached], -1, reached), jnp.int32),
         inputs=jnp.asarray(inputs),
@@ -99,7 +99,7 @@ def make_task(
         if mdp.always_available
         else jnp.asarray(mdp.available | ~mdp.available.any(axis=1, keepdims=True)),
     )
-    return task, rows
+    return dynamics, rows
 
 
 def one_hot(mdp: TabularMDP) -> tuple[Int32[np.ndarray, "S factors"], int]:
@@ -134,25 +134,25 @@ def _scaled(values: Int[np.ndarray, "S"], least: int, most: int) -> Float[np.nda
     return (2.0 * values - least - most) / max(most - least, 1)
 
 
-def roomy(task: Task) -> Task:
+def roomy(dynamics: Dynamics) -> Dynamics:
     """The same, padded with unreachable states to a multiple of `ROOM`.
 
     Tables of about one size, as those of one map with different starts, then share a compiled
     program; compiling takes longer than many a run.
     """
-    more = -task.states % ROOM
-    chosen = (0, more * task.actions)
-    made = (0, more * task.actions * task.transitions.outcomes)
-    next_state, reward, cumulative = task.transitions
-    return task._replace(
+    more = -dynamics.states % ROOM
+    chosen = (0, more * dynamics.actions)
+    made = (0, more * dynamics.actions * dynamics.transitions.outcomes)
+    next_state, reward, cumulative = dynamics.transitions
+    return dynamics._replace(
         transitions=Transitions(
             next_state=jnp.pad(next_state, made),
             reward=jnp.pad(reward, made),
             cumulative=jnp.pad(cumulative, (chosen, (0, 0))),
         ),
-        goes_on=jnp.pad(task.goes_on, made),
-        inputs=jnp.pad(task.inputs, ((0, more), (0, 0))),
+        goes_on=jnp.pad(dynamics.goes_on, made),
+        inputs=jnp.pad(dynamics.inputs, ((0, more), (0, 0))),
         available=None
-        if task.available is None
-        else jnp.pad(task.available, ((0, more), (0, 0)), constant_values=True),
+        if dynamics.available is None
+        else jnp.pad(dynamics.available, ((0, more), (0, 0)), constant_values=True),
     )
