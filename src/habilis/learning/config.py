@@ -176,7 +176,11 @@ class Config:
             raise ValueError(
                 f"setting {unknown[0]!r} is unknown; use some of {', '.join(sorted(own | learner))}"
             )
-        algorithm = kind(**{k: v for k, v in values.items() if k in learner})
+        settings = {k: v for k, v in values.items() if k in learner}
+        for f in fields(kind):  # JSON and TOML have lists
+            if isinstance(f.default, tuple) and isinstance(settings.get(f.name), list):
+                settings[f.name] = tuple(settings[f.name])
+        algorithm = kind(**settings)
         given: dict[str, Any] = {k: v for k, v in values.items() if k in own}
         given["algorithm"] = algorithm
         return cls(**given)
