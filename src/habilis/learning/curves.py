@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import polars as pl
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from habilis.learning.runs import Run
 from habilis.statistics import STATISTICS, bootstrap_interval
@@ -143,6 +143,6 @@ def held(values: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
     return values[latest] if len(values) else values
 
 
-def at_or_before(places: Float[np.ndarray, "n"], x: Float[np.ndarray, "m"]) -> np.ndarray:
+def at_or_before(places: Int[np.ndarray, "n"], x: Float[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
     """The index of the last place that is at most each x, of which none is below the first."""
     return np.searchsorted(places, x, side="right") - 1

@@ -126,7 +126,7 @@ def coordinates(mdp: TabularMDP) -> tuple[Float32[np.ndarray, "S coordinates"], 
             for place, side in zip(np.divmod(labels, mdp.shape[1]), mdp.shape, strict=True):
                 columns.append(np.where(nowhere, 0.0, _scaled(place, 0, side - 1)))
         else:
-            columns.append(_scaled(labels, labels.min(), labels.max()))
+            columns.append(_scaled(labels, int(labels.min()), int(labels.max())))
     return np.stack(columns, axis=1).astype(np.float32), len(columns)
 
 

@@ -12,7 +12,7 @@ from habilis.empowerment import empowerment
 from habilis.empowerment.combined import check_names
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.dynamics import Dynamics
-from habilis.learning.networks import Network
+from habilis.learning.networks import Inputs, Network
 from habilis.learning.rollout import Hyperparams
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
@@ -124,7 +124,7 @@ def reward(
     extrinsic: Float[Array, "*n"],
     of_next: Float[Array, "*n"],
     of_current: Float[Array, "*n"],
-    terminated: Array,
+    terminated: Bool[Array, "*n"],
     global_step: Float[Array, ""],
 ) -> Float[Array, "*n"]:
     """The reward that the agent learns from, after so many environment steps, scaled."""
@@ -132,7 +132,7 @@ def reward(
     return hyperparams["reward_scale"] * whole
 
 
-def _distance(one: Network, other: Network, inputs: Int[Array, "*n factors"]):
+def _distance(one: Network, other: Network, inputs: Inputs) -> Float[Array, "*batch"]:
     return jnp.square(one(inputs) - other(inputs)).mean(axis=-1)
 
 

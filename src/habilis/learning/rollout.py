@@ -6,11 +6,15 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.learning.dynamics import Dynamics
 
 _UNROLL = 5  # more steps compile longer and run no faster
+
+Number = Float[Array | np.floating, ""] | float
+"""A number of JAX, of NumPy or of Python."""
 
 Hyperparams = dict[str, Float[Array, ""]]
 """The settings that are no part of the compiled program, by their names."""
@@ -32,7 +36,7 @@ class Context:
     global_step: Float[Array, ""]
     key: PRNGKeyArray
     reward_fn: Callable[[Int[Array, "*n"]], Float[Array, "*n"]]
-    episodes: Float[Array, ""] | float = 0.0
+    episodes: Number = 0.0
 
 
 class EnvState(NamedTuple):
@@ -168,8 +172,8 @@ def whole_episodes(
 
 
 def masked(
-    logits: Float[Array, "*n A"], available: Bool[Array, "*n A"] | None
-) -> Float[Array, "*n A"]:
+    logits: Float[Array | np.ndarray, "*n A"], available: Bool[Array, "*n A"] | None
+) -> Float[Array | np.ndarray, "*n A"]:
     """Logits that leave unavailable actions a probability of 0.
 
     The least number there is stands for minus infinity, which would make entropies NaN.
@@ -190,9 +194,6 @@ def sample_action(
     if available is not None:
         last = last - available[:, ::-1].argmax(axis=-1)
     return jnp.minimum(below.sum(axis=-1), last)
-
-
-Number = Float[Array, ""] | float
 
 
 def linear_schedule(start: Number, end: Number, duration: Number, step: Number) -> Float[Array, ""]:

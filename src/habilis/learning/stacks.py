@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Int
+from jaxtyping import Array, Bool, Int, Key, UInt32
 
 from habilis.learning.lanes import Lane, Settings, start_lanes
 
@@ -140,7 +140,7 @@ def _on_host(device: Any) -> bool:
 
 
 @jax.jit
-def _keys(seeds: Int[Array, "n"], numbers: Int[Array, "n"]) -> Array:
+def _keys(seeds: UInt32[Array, "n"], numbers: UInt32[Array, "n"]) -> Key[Array, "n"]:
     """`Job.start`'s keys."""
     return jax.vmap(lambda seed, number: jax.random.fold_in(jax.random.key(seed), number))(
         seeds, numbers

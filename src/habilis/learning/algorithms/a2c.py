@@ -12,7 +12,7 @@ from habilis.learning.algorithms import actor_critic, help_texts
 from habilis.learning.algorithms.actor_critic import Decision, TrainState
 from habilis.learning.dynamics import Dynamics
 from habilis.learning.networks import ActorCritic
-from habilis.learning.rollout import Context, Experience
+from habilis.learning.rollout import Context, Experience, Number
 
 
 @dataclass(frozen=True)
@@ -110,8 +110,8 @@ def actor_critic_loss(
     action: Int[Array, "n"],
     advantage: Float[Array, "n"],
     target: Float[Array, "n"],
-    entropy: Float[Array, ""] | float,
-    value: Float[Array, ""] | float,
+    entropy: Number,
+    value: Number,
     mask: Bool[Array, "n"] | None = None,
 ) -> Float[Array, ""]:
     """The mean over the batch, or over its steps that were made, of

@@ -154,8 +154,8 @@ def generalised_advantages(
     next_value: Float[Array, "T E"],
     terminated: Bool[Array, "T E"],
     truncated: Bool[Array, "T E"],
-    discount: Float[Array, ""] | float,
-    gae_lambda: Float[Array, ""] | float,
+    discount: Number,
+    gae_lambda: Number,
 ) -> Float[Array, "T E"]:
     """The generalised advantage estimate (Schulman et al. 2016).
 
@@ -243,7 +243,7 @@ def apply_gradient(
     return TrainState(network, optimizer)
 
 
-def _clipped(gradient: Any, largest: Float[Array, ""] | float) -> Any:
+def _clipped(gradient: Any, largest: Number) -> Any:
     """A gradient whose norm is at most so large; 0: as it is."""
     norm = optax.tree.norm(gradient)
     shrink = jnp.minimum(1, largest / jnp.maximum(norm, 1e-30))

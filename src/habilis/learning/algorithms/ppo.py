@@ -12,7 +12,7 @@ from habilis.learning.algorithms import actor_critic, help_texts
 from habilis.learning.algorithms.actor_critic import Decision, TrainState
 from habilis.learning.dynamics import Dynamics
 from habilis.learning.networks import ActorCritic
-from habilis.learning.rollout import Context, Experience, masked
+from habilis.learning.rollout import Context, Experience, Number, masked
 
 
 @dataclass(frozen=True)
@@ -134,9 +134,9 @@ def clipped_loss(
     old: Float[Array, "n"],
     advantage: Float[Array, "n"],
     target: Float[Array, "n"],
-    clip_range: Float[Array, ""] | float,
-    entropy: Float[Array, ""] | float,
-    value: Float[Array, ""] | float,
+    clip_range: Number,
+    entropy: Number,
+    value: Number,
 ) -> Float[Array, ""]:
     """The mean over the batch of
 

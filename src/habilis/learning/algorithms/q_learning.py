@@ -5,6 +5,7 @@ from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from habilis.checks import above_zero, at_least, check_types, setting, share
@@ -91,10 +92,14 @@ class QLearning:
         values, errors = jax.lax.scan(step, train_state.parameters, steps)
         return ActionValues(values), errors.mean()
 
-    def policy(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S A"]:
+    def policy(
+        self, dynamics: Dynamics, parameters: Float[Array | np.ndarray, "S A"]
+    ) -> Float[Array, "S A"]:
         """The greedy policy."""
         best = masked(parameters, dynamics.available).argmax(axis=-1)
         return jax.nn.one_hot(best, dynamics.actions)
 
-    def values(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S"]:
-        return masked(parameters, dynamics.available).max(axis=-1)
+    def values(
+        self, dynamics: Dynamics, parameters: Float[Array | np.ndarray, "S A"]
+    ) -> Float[Array, "S"]:
+        return jnp.max(masked(parameters, dynamics.available), axis=-1)

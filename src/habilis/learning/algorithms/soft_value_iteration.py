@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int, PRNGKeyArray
 
 from habilis.checks import above_zero, at_least, check_types, setting, share
@@ -78,9 +79,13 @@ class SoftValueIteration:
         values, changes = jax.lax.scan(backup, train_state.parameters, length=self.sweeps)
         return ActionValues(values), changes[-1]
 
-    def policy(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S A"]:
+    def policy(
+        self, dynamics: Dynamics, parameters: Float[Array | np.ndarray, "S A"]
+    ) -> Float[Array, "S A"]:
         return jax.nn.softmax(masked(parameters / self.temperature, dynamics.available))
 
-    def values(self, dynamics: Dynamics, parameters: Float[Array, "S A"]) -> Float[Array, "S"]:
+    def values(
+        self, dynamics: Dynamics, parameters: Float[Array | np.ndarray, "S A"]
+    ) -> Float[Array, "S"]:
         logits = masked(parameters / self.temperature, dynamics.available)
         return jax.nn.logsumexp(logits, axis=-1) * self.temperature
