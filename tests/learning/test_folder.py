@@ -57,6 +57,7 @@ def test_a_file_cut_short_is_refused(folder):
         (folder / name).write_bytes(whole)
 
 
+@pytest.mark.ill_typed
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [

@@ -106,6 +106,7 @@ def test_what_is_given_takes_precedence():
     assert found == book | {"activation": "tanh"}
 
 
+@pytest.mark.ill_typed
 @pytest.mark.parametrize(
     ("name", "changes", "says"),
     [
