@@ -9,11 +9,12 @@ from pathlib import Path
 import jaxtyping
 import pytest
 
-# Values and compiled programs are kept for all workers and the processes that tests start, not in
-# anyone's home. By default, JAX keeps what takes a second to compile; here it keeps everything.
+# Values are kept for all workers and the processes that tests start, not in anyone's home; compiled
+# programs for the next test run too, where they save half the time. By default, JAX keeps what takes
+# a second to compile; here it keeps everything.
 if "PYTEST_XDIST_WORKER" not in os.environ:
-    _CACHE = tempfile.mkdtemp(prefix="habilis-tests-")
-    os.environ["XDG_CACHE_HOME"] = os.environ["JAX_COMPILATION_CACHE_DIR"] = _CACHE
+    os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="habilis-tests-")
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = str(Path(__file__).parents[1] / ".pytest_cache/jax")
     os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0"
     os.environ["JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES"] = "-1"
 
