@@ -9,9 +9,9 @@ from pathlib import Path
 import jaxtyping
 import pytest
 
-# Values are kept for all workers and the processes that tests start, not in anyone's home; compiled
-# programs for the next test run too, where they save half the time. By default, JAX keeps what takes
-# a second to compile; here it keeps everything.
+# Values are kept for all workers and the processes that tests start, not in anyone's home. Compiled
+# programs are kept for the next test run too, which then takes half the time. By default, JAX keeps
+# what takes a second to compile; here it keeps everything.
 if "PYTEST_XDIST_WORKER" not in os.environ:
     os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="habilis-tests-")
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(Path(__file__).parents[1] / ".pytest_cache/jax")

@@ -33,8 +33,8 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_bar_says_what_is_counted_and_how_far_it_is(terminal, capsys):
-    with progress_bar("beans", True) as tell:
-        tell(3, 8)
+    with progress_bar("beans", True) as report:
+        report(3, 8)
         time.sleep(0.3)
     shown = capsys.readouterr()
     assert "beans" in shown.err
@@ -44,14 +44,14 @@ def test_a_bar_says_what_is_counted_and_how_far_it_is(terminal, capsys):
 
 def test_what_is_done_at_once_shows_no_bar(terminal, capsys, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(progress, "PATIENCE", 60.0)
-    with progress_bar("beans", True) as tell:
-        tell(3, 8)
+    with progress_bar("beans", True) as report:
+        report(3, 8)
     assert capsys.readouterr().err == ""
 
 
 def test_without_being_asked_for_there_is_no_bar(terminal, capsys):
-    with progress_bar("beans", False) as tell:
-        tell(3, 8)
+    with progress_bar("beans", False) as report:
+        report(3, 8)
         time.sleep(0.1)
     assert capsys.readouterr().err == ""
 
@@ -85,8 +85,8 @@ def test_an_error_within_a_bar_within_another_ends_the_inner_one(terminal, capsy
 def test_an_error_within_a_bar_ends_it(terminal, capsys):
     with pytest.raises(ValueError, match="rotten"), progress_bar("beans", True):
         raise ValueError("rotten")
-    with progress_bar("peas", True) as tell:
-        tell(5, 9)
+    with progress_bar("peas", True) as report:
+        report(5, 9)
         time.sleep(0.3)
     assert "beans" not in capsys.readouterr().err.partition("peas")[2]
 

@@ -134,12 +134,16 @@ def rows(runs: pl.DataFrame) -> pl.DataFrame:
         row = dict(zip(claims.KEYS, key, strict=True))
         vanilla = runs.filter(map=row["map"], tool=row["tool"], reward="none")
         counts, bare = (claims.counts(side, "episodes") for side in (part, vanilla))
-        told = claims.verdict(part, vanilla, "episodes")
+        verdict = claims.verdict(part, vanilla, "episodes")
         row |= {"converged": int(np.isfinite(counts).sum()), "runs": len(counts)}
         row |= dict(zip(_INTERVAL, interquartile_interval(counts), strict=True))
         low, high = superiority_interval(counts, bare)
-        row |= {"superiority": told.superiority, "superiority_low": low, "superiority_high": high}
-        found.append(row | {"p": told.p, "final_return": part["final_return"].median()})
+        row |= {
+            "superiority": verdict.superiority,
+            "superiority_low": low,
+            "superiority_high": high,
+        }
+        found.append(row | {"p": verdict.p, "final_return": part["final_return"].median()})
     return pl.DataFrame(found, infer_schema_length=None)
 
 

@@ -56,6 +56,6 @@ def progress_bar(what: str, show: bool) -> Iterator[Callable[[int, int], None]]:
         bar.stop()
 
 
-def in_percent(tell: Callable[[int, int], None]) -> Callable[[float], None]:
+def in_percent(report: Callable[[int, int], None]) -> Callable[[float], None]:
     """A bar as a function of the share that is done, from 0 to 1."""
-    return lambda share: tell(int(100 * share), 100)
+    return lambda share: report(int(100 * share), 100)

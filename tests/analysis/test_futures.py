@@ -190,7 +190,11 @@ def test_the_channel_of_certain_futures_is_foreseen_too():
 def test_futures_say_how_many_of_their_actions_are_done():
     slippery = hb.tabulate(WORLD, 0.1)
     for mdp in (hb.tabulate(WORLD), slippery):
-        told: list[tuple[int, int]] = []
+        reported: list[tuple[int, int]] = []
         problem = problem_of(mdp, 3, "object", np.arange(4), 1e-6)
-        exact(problem, mdp.start, lambda done, known, told=told: told.append((done, known)))
-        assert told == [(1, 3), (2, 3), (3, 3)]
+        exact(
+            problem,
+            mdp.start,
+            lambda done, known, reported=reported: reported.append((done, known)),
+        )
+        assert reported == [(1, 3), (2, 3), (3, 3)]

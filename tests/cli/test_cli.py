@@ -355,13 +355,13 @@ def test_compare_of_a_map_without_a_tool_compares_what_there_is(capsys, tmp_path
 def test_json_distinguishes_an_equal_tool_from_one_that_sampled_bounds_leave_open(capsys, tmp_path):
     (tmp_path / "tie.txt").write_text("A.P\n...\n#.#\n.C.\n..G\n")
     asked = ("compare", str(tmp_path / "tie.txt"), "--tools", "none,broom", "--horizon")
-    told = run_json(capsys, *asked, "3")[1]["tools"]["broom"]
-    decided = told["better_than_none"] or told["encumbers"]
-    assert (told["gap"], told["equal"]) == (0, not decided)
+    reported = run_json(capsys, *asked, "3")[1]["tools"]["broom"]
+    decided = reported["better_than_none"] or reported["encumbers"]
+    assert (reported["gap"], reported["equal"]) == (0, not decided)
     sampled = ("--method", "sampled", "--samples", "1")
-    told = run_json(capsys, *asked, "3", *sampled)[1]["tools"]["broom"]
-    assert [told[name] for name in ("better_than_none", "encumbers", "equal")] == [False] * 3
-    assert told["gap"] > 0
+    reported = run_json(capsys, *asked, "3", *sampled)[1]["tools"]["broom"]
+    assert [reported[name] for name in ("better_than_none", "encumbers", "equal")] == [False] * 3
+    assert reported["gap"] > 0
 
 
 def test_a_full_disk_is_one_line():

@@ -26,14 +26,14 @@ def answer(capsys, *arguments):
 
 
 def test_json_has_every_pair_by_its_names(capsys, room):
-    told = answer(capsys, room, "--horizon", "3")
+    reported = answer(capsys, room, "--horizon", "3")
     found = pairs(hb.load_world(room), 3)
-    assert (told["horizon"], told["unit"]) == (3, "bits")
-    assert [*told["averages"]] == ["picker", "rake", "none"]
+    assert (reported["horizon"], reported["unit"]) == (3, "bits")
+    assert [*reported["averages"]] == ["picker", "rake", "none"]
     for row, tool in enumerate(found.tools):
         for column, thing in enumerate(found.objects):
-            assert told["averages"][tool][thing] == found.averages[-1, row, column]
-            pair = told["pairs"][tool][thing]
+            assert reported["averages"][tool][thing] == found.averages[-1, row, column]
+            pair = reported["pairs"][tool][thing]
             assert pair["averages"] == found.averages[:, row, column].tolist()
             assert pair["range"] == found.range[row, column]
             assert pair["persistence"] == found.persistence[row, column]
@@ -71,11 +71,11 @@ def test_the_matrix_and_a_line_for_each_pair_are_printed(capsys, room):
 def test_a_map_with_one_tool_is_compared_with_the_usual_ones(capsys, tmp_path):
     assert [*answer(capsys, "yard", "--horizon", "1")["averages"]] == ["picker", "broom", "none"]
     (tmp_path / "rake.txt").write_text("R = rake\nA.R.\n..C.\n...G\n")
-    told = answer(capsys, str(tmp_path / "rake.txt"))
-    assert told["horizon"] == 6
-    assert [*told["averages"]] == ["rake", "picker", "broom", "none"]
-    told = answer(capsys, str(tmp_path / "rake.txt"), "--tools", "none,stick", "--horizon", "1")
-    assert [*told["averages"]] == ["none", "stick"]
+    reported = answer(capsys, str(tmp_path / "rake.txt"))
+    assert reported["horizon"] == 6
+    assert [*reported["averages"]] == ["rake", "picker", "broom", "none"]
+    reported = answer(capsys, str(tmp_path / "rake.txt"), "--tools", "none,stick", "--horizon", "1")
+    assert [*reported["averages"]] == ["none", "stick"]
 
 
 def test_slip_and_nats_are_heeded(capsys, tmp_path):

@@ -26,18 +26,18 @@ def answer(capsys: pytest.CaptureFixture, *arguments: str, status: int = 0) -> d
 
 def refused(capsys: pytest.CaptureFixture, *arguments: str) -> str:
     assert main(arguments) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert told.err.startswith("habilis: ")
-    assert told.err.count("\n") == 1
-    return told.err
+    reported = capsys.readouterr()
+    assert reported.out == ""
+    assert reported.err.startswith("habilis: ")
+    assert reported.err.count("\n") == 1
+    return reported.err
 
 
 def test_a_map_is_drawn_with_what_its_characters_stand_for(capsys, room, tmp_path):
-    told = answer(capsys, "worlds", room, "--out", str(tmp_path / "room.png"))
-    assert told["tools"] == ["picker", "rake"]
-    assert told["objects"] == ["can", "ball"]
-    assert "R = rake" in told["header"]
+    reported = answer(capsys, "worlds", room, "--out", str(tmp_path / "room.png"))
+    assert reported["tools"] == ["picker", "rake"]
+    assert reported["objects"] == ["can", "ball"]
+    assert "R = rake" in reported["header"]
     assert (tmp_path / "room.png").stat().st_size > 1000
     assert main(["worlds", room]) == 0
     assert "R = rake\n" in capsys.readouterr().out
@@ -68,16 +68,16 @@ def test_a_plan_with_a_tool_that_may_fail_is_refused(capsys, tmp_path):
 def test_empowerment_over_one_of_several_objects(capsys, room, tmp_path):
     out = tmp_path / "bits.csv"
     arguments = ["empowerment", room, "--sensor", "object:can", "--horizon", "2"]
-    told = answer(capsys, *arguments, "--out", str(out))
+    reported = answer(capsys, *arguments, "--out", str(out))
     table = pl.read_csv(out)
-    assert len(table) == told["states"]
+    assert len(table) == reported["states"]
     assert {"object:can_row", "tool:rake_column", "held", "equipped"} <= set(table.columns)
     assert set(table["held"]) == {-1, 0}
 
 
 def test_one_of_several_objects_has_to_be_named(capsys, room):
-    told = refused(capsys, "empowerment", room, "--sensor", "object", "--horizon", "2")
-    assert "object:can, object:ball" in told
+    reported = refused(capsys, "empowerment", room, "--sensor", "object", "--horizon", "2")
+    assert "object:can, object:ball" in reported
 
 
 def test_the_only_object_needs_no_name(capsys, tmp_path):
@@ -102,13 +102,13 @@ def test_a_landscape_with_a_tool_elsewhere(capsys, room, tmp_path):
 @pytest.mark.parametrize("verb", ["landscape", "futures"])
 def test_one_of_several_has_to_be_specified(verb, capsys, room):
     arguments = [verb, room, "--horizon", "1", "--sensor", "object:can"]
-    told = refused(capsys, *arguments, "--tool-at", "0,1")
-    assert "several tools, picker, rake" in told
-    assert "picker=0,1" in told
+    reported = refused(capsys, *arguments, "--tool-at", "0,1")
+    assert "several tools, picker, rake" in reported
+    assert "picker=0,1" in reported
     assert "name one of can, ball" in refused(capsys, *arguments, "--object-at", "tin=0,1")
-    told = refused(capsys, *arguments, "--tool-at", "rake=0,1", "--tool-at", "rake=0,2")
-    assert "'rake'" not in told
-    assert "rake twice" in told
+    reported = refused(capsys, *arguments, "--tool-at", "rake=0,1", "--tool-at", "rake=0,2")
+    assert "'rake'" not in reported
+    assert "rake twice" in reported
     assert "is not a cell" in refused(capsys, *arguments, "--tool-at", "rake=north")
     assert "free cell" in refused(capsys, *arguments, "--tool-at", "rake=2,2")
 
@@ -116,8 +116,8 @@ def test_one_of_several_has_to_be_specified(verb, capsys, room):
 def test_futures_of_one_of_several_objects(capsys, room, tmp_path):
     out = tmp_path / "futures.svg"
     arguments = ["futures", room, "--horizon", "2", "--sensor", "object:ball"]
-    told = answer(capsys, *arguments, "--agent-at", "3,1", "--out", str(out))
-    assert set(told["observations"]) == {11}
+    reported = answer(capsys, *arguments, "--agent-at", "3,1", "--out", str(out))
+    assert set(reported["observations"]) == {11}
     assert "<svg" in out.read_text()
-    told = refused(capsys, *arguments[:-1], "held", "--out", str(out))
-    assert "a picture needs cells" in told
+    reported = refused(capsys, *arguments[:-1], "held", "--out", str(out))
+    assert "a picture needs cells" in reported

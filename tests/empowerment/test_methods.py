@@ -130,9 +130,9 @@ KEYWORDS = [
 def test_keywords_of_a_method_still_work_and_their_replacement_is_named(
     measure: str, keywords: Any, method: Any
 ):
-    with pytest.warns(DeprecationWarning, match=f"of {measure} (is|are) deprecated") as told:
+    with pytest.warns(DeprecationWarning, match=f"of {measure} (is|are) deprecated") as reported:
         before = MEASURES[measure](**keywords)
-    (warning,) = told
+    (warning,) = reported
     message = str(warning.message)
     assert all(f"{name}=" in message for name in keywords)
     suggested = re.fullmatch(r".*; give method=hb\.(.*)", message)

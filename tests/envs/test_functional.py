@@ -147,8 +147,8 @@ def shortest(env):
 def test_the_end_of_an_episode_is_seen_before_the_next_begins():
     env = FunctionalEnv(SMALL)
     params = env.default_params
-    (observed, state, *told, info), (last, reached, reward, terminated, _) = shortest(env)
-    assert told == [reward, terminated, False] == [0, True, False]
+    (observed, state, *reported, info), (last, reached, reward, terminated, _) = shortest(env)
+    assert reported == [reward, terminated, False] == [0, True, False]
     assert jnp.array_equal(info["final_observation"], last)
     assert not jnp.array_equal(observed, last)
     assert info["state"] == reached.index
@@ -301,9 +301,9 @@ def follow(ours, theirs):
     assert np.array_equal(first, seen)
     ended = [0, 0]
     for t, action in enumerate(np.asarray(actions)):
-        observed, *told, ours_info = jax.tree.map(lambda x, t=t: x[t], walked)
+        observed, *reported, ours_info = jax.tree.map(lambda x, t=t: x[t], walked)
         seen, *expected, info = theirs.step(int(action))
-        assert told == expected
+        assert reported == expected
         assert np.array_equal(ours_info["final_observation"], seen)
         assert all(ours_info[name] == info[name] for name in info)
         ended = [ended[0] + expected[1], ended[1] + expected[2]]

@@ -273,11 +273,11 @@ def test_a_vector_environment_earns_what_each_of_its_copies_would_alone(kind, mo
             if ended[i] and mode == "NextStep":
                 assert rewards[i] == info["extrinsic_reward"][i] == 0
                 continue
-            _, reward, *ends, told = env.step(actions[i])
+            _, reward, *ends, reported = env.step(actions[i])
             assert rewards[i] == pytest.approx(reward)
             assert [terminated[i], truncated[i]] == ends
-            assert info["extrinsic_reward"][i] == told["extrinsic_reward"]
-            assert info["empowerment"][i] == told["empowerment"]
+            assert info["extrinsic_reward"][i] == reported["extrinsic_reward"]
+            assert info["empowerment"][i] == reported["empowerment"]
         ended = terminated | truncated
     assert info["_empowerment"].all()
 

@@ -35,8 +35,8 @@ def screen(tmp_path):
         ["Xvfb", "-displayfd", str(writing), *size], pass_fds=[writing], stderr=subprocess.DEVNULL
     )
     os.close(writing)
-    with os.fdopen(reading) as told:
-        display = told.readline().strip()
+    with os.fdopen(reading) as reported:
+        display = reported.readline().strip()
     yield f":{display}", tmp_path / "Xvfb_screen0"
     server.terminate()
     server.wait()
@@ -62,12 +62,12 @@ def test_the_window_shows_the_picture_of_the_state(screen):
         text=True,
     )
     assert player.stdout is not None
-    told = [player.stdout.readline()]
-    while told[-1] and not told[-1].strip().isdigit():  # pygame greets first
-        told.append(player.stdout.readline())
+    reported = [player.stdout.readline()]
+    while reported[-1] and not reported[-1].strip().isdigit():  # pygame greets first
+        reported.append(player.stdout.readline())
     mdp = hb.tabulate(hb.load_world("yard"))
     state = int(mdp.next_state[mdp.next_state[mdp.start, 1], 2])
-    assert int(told[-1]) == state
+    assert int(reported[-1]) == state
     picture = frame(placement(hb.load_world("yard"), mdp, state))
     shown = seen(framebuffer)
     windows = np.lib.stride_tricks.sliding_window_view(shown[:, :, 0], picture.shape[:2])

@@ -171,20 +171,20 @@ def test_those_that_have_come_least_far_are_taken_and_of_one_kind(data, lanes):
 
 def test_a_job_that_is_stopped_ends_unconverged_and_changes_no_other(room):
     bad, good = room.changed(runs=23, episodes=10**6), room.changed(seed=5)
-    jobs, asked, told = [Job.of(0, bad), Job.of(1, good)], set[int](), list[Progress]()
+    jobs, asked, reported = [Job.of(0, bad), Job.of(1, good)], set[int](), list[Progress]()
 
     def stop(job: Job) -> bool:
         asked.add(job.index)
         assert not all(record.ended for record in job.records)
         return job.index == 0
 
-    train_jobs(jobs, told.append, stop_job=stop)
+    train_jobs(jobs, reported.append, stop_job=stop)
     assert 0 in asked
     assert all(record.ended and record.converged_at is None for record in jobs[0].records)
     made = {record.steps for record in jobs[0].records}
     assert min(made) == 0
     assert len(made) == 2  # a stretch, or none
-    ends = [progress for progress in told if progress.config == 0]
+    ends = [progress for progress in reported if progress.config == 0]
     assert [progress.ended for progress in ends] == [23]  # reported once, and nothing later
     assert_same(jobs[1].result(), train(good))
     stopped = jobs[0].result()

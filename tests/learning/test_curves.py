@@ -172,10 +172,10 @@ def test_plot_draws_one_or_several_folders(folders, tmp_path, capsys, monkeypatc
         assert out.read_bytes().startswith(start)
     assert "seed 0: mean return -" in capsys.readouterr().out
     assert main(["plot", *folders, "--json", "--statistic", "iqm", "--value", "length"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert [curve["label"] for curve in told["curves"]] == ["seed 0", "seed 1"]
-    assert told["out"] is None
-    for curve in told["curves"]:
+    reported = json.loads(capsys.readouterr().out)
+    assert [curve["label"] for curve in reported["curves"]] == ["seed 0", "seed 1"]
+    assert reported["out"] is None
+    for curve in reported["curves"]:
         assert curve["x"][-1] == 150
         ends = zip(curve["low"], curve["iqm"], curve["high"], strict=True)
         assert all(low <= middle <= high for low, middle, high in ends)

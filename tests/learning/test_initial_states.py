@@ -153,8 +153,8 @@ def test_a_run_goes_on_and_is_watched_with_its_success(folder, capsys):
     assert main([*command, "--resume"]) == 0
     capsys.readouterr()
     assert main(["watch", "run", "--json"]) in (0, 1)
-    told = json.loads(capsys.readouterr().out)
-    assert told["success"].keys() == {"seen", "unseen"}
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["success"].keys() == {"seen", "unseen"}
     run = load_run("run")
     assert play(run).states[0] == table_of(run).start
     assert main(["watch", "run"]) in (0, 1)

@@ -125,5 +125,5 @@ def test_the_scale_of_distances_is_their_running_mean_square():
     after = intrinsic.visited("rnd", kept, dynamics, entered)
     expected = 0.999 * 1 + 0.001 * float(jnp.square(distance).mean())
     assert float(after.scale) == pytest.approx(expected, rel=1e-5)
-    told = intrinsic.values("rnd", kept, jnp.zeros(3), dynamics, entered)
-    np.testing.assert_allclose(told, distance, rtol=1e-4)
+    reported = intrinsic.values("rnd", kept, jnp.zeros(3), dynamics, entered)
+    np.testing.assert_allclose(reported, distance, rtol=1e-4)

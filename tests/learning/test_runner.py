@@ -103,11 +103,11 @@ def test_the_intrinsic_value_is_the_empowerment():
 
 
 def test_progress_is_reported_until_the_end(room):
-    told: list[Progress] = []
-    train(room.changed(episodes=200, runs=6), told.append)
-    assert told[-1].ended == told[-1].runs == 6
-    assert told[-1].share == 1
-    assert told[-1].steps_per_second > 0
+    reported: list[Progress] = []
+    train(room.changed(episodes=200, runs=6), reported.append)
+    assert reported[-1].ended == reported[-1].runs == 6
+    assert reported[-1].share == 1
+    assert reported[-1].steps_per_second > 0
 
 
 def test_a_goal_out_of_reach_is_refused(tmp_path):

@@ -195,10 +195,10 @@ def test_the_command_line_trains_watches_and_says_how_often_it_succeeds(capsys):
     seen = set()
     for seed in range(8):
         status = main(["watch", "run", "--seed", str(seed), "--json"])
-        told = json.loads(capsys.readouterr().out)
-        assert status == (0 if told["finished"] else 1)
-        assert 0 < told["success"]["seen"] <= 1
-        seen.add(tuple(told["actions"]))
+        reported = json.loads(capsys.readouterr().out)
+        assert status == (0 if reported["finished"] else 1)
+        assert 0 < reported["success"]["seen"] <= 1
+        seen.add(tuple(reported["actions"]))
     assert len(seen) > 1
     main(["watch", "run"])
     assert "reaches the goal in" in capsys.readouterr().out

@@ -46,7 +46,7 @@ def test_the_nearest_of_the_grid_is_by_ratio_and_nothing_stays_nothing():
 def test_what_is_checked_in_of_the_multiverse_are_the_runs_of_its_report():
     """Trained again for when they first succeeded: to the same episodes, all 350 of them."""
     docs = pl.read_csv(ROOT / "docs/multiverse/runs.csv", infer_schema_length=None)
-    told = {learner.name: learner for learner in load_pace(FOLDER).compared}
+    reported = {learner.name: learner for learner in load_pace(FOLDER).compared}
     for agent in compared_agents():
         if agent.learner == FAST:
             continue
@@ -61,7 +61,7 @@ def test_what_is_checked_in_of_the_multiverse_are_the_runs_of_its_report():
         ).sort("run")
         (found,) = (
             a
-            for a in told[agent.learner].agents
+            for a in reported[agent.learner].agents
             if (a.map, a.tool, a.reward) == (agent.map, agent.tool, agent.reward)
         )
         at = runs["converged_at"].cast(pl.Float64).fill_null(float("inf"))

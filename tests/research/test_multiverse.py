@@ -87,13 +87,13 @@ def test_a_run_that_exceeded_its_budget_comes_after_all_others():
     runs = joined(
         EVERYONE, results_of(EVERYONE, lambda agent: 5_000, lambda agent: agent.reward != "TOE")
     )
-    told = claims.multiverse(runs.filter(part="multiverse")).filter(
+    reported = claims.multiverse(runs.filter(part="multiverse")).filter(
         claim="TOE before vanilla (corridor, picker)"
     )
-    converging = told.filter(pl.col("measure") != "first success")
+    converging = reported.filter(pl.col("measure") != "first success")
     assert (converging["superiority"] == 0).all()
     assert (converging["outcome"] == "opposite").all()
-    assert (told.filter(measure="first success")["superiority"] == 0.5).all()
+    assert (reported.filter(measure="first success")["superiority"] == 0.5).all()
 
 
 def test_first_success_is_when_the_curve_comes_up_to_twice_the_best_ones_cost():
@@ -109,8 +109,8 @@ def test_the_choice_that_decides_explains_all():
 
     runs = joined(EVERYONE, results_of(EVERYONE, episodes))
     verdicts = claims.multiverse(runs.filter(part="multiverse"))
-    told = claims.explained(verdicts.filter(measure="episodes"))
-    row = told.filter(claim="TOE before vanilla (yard, picker)").row(0, named=True)
+    reported = claims.explained(verdicts.filter(measure="episodes"))
+    row = reported.filter(claim="TOE before vanilla (yard, picker)").row(0, named=True)
     assert row["beta"] == pytest.approx(1)
     assert row["horizon"] == pytest.approx(0)
     assert row["learner"] == pytest.approx(0)
@@ -186,10 +186,10 @@ def test_episodes_and_steps_are_counted_apart_and_neither_without_convergence():
 
 def test_an_order_that_is_not_significant_is_undecided():
     even, odd = (list(range(start, start + 20, 2)) for start in (0, 5))
-    told = claims.verdict(runs_of(even, even), runs_of(odd, odd), "episodes")
-    assert 0.05 < told.p < 0.9
-    assert told.superiority > 0.5
-    assert told.outcome == "undecided"
+    reported = claims.verdict(runs_of(even, even), runs_of(odd, odd), "episodes")
+    assert 0.05 < reported.p < 0.9
+    assert reported.superiority > 0.5
+    assert reported.outcome == "undecided"
 
 
 def test_claims_on_maps_have_the_same_direction(study):
@@ -222,10 +222,10 @@ def test_agents_that_never_converge_are_not_the_sooner_ones():
 
 
 def test_vanilla_is_its_own_measure(study):
-    told = aggregate(study.runs)
-    assert told["agent"].to_list()[0] == "vanilla"
-    assert told["middle"][0] == pytest.approx(1, abs=0.01)
-    assert (told["middle"][1:] < 1).all()
+    reported = aggregate(study.runs)
+    assert reported["agent"].to_list()[0] == "vanilla"
+    assert reported["middle"][0] == pytest.approx(1, abs=0.01)
+    assert (reported["middle"][1:] < 1).all()
 
 
 def test_superiority_over_vanilla_and_its_interval(study):

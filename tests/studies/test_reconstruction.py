@@ -211,8 +211,8 @@ def test_a_number_that_no_map_meets_is_reported(tmp_path, capsys):
     (tmp_path / "far.toml").write_text(EASY.replace("value = 7", "value = 700"))
     arguments = ["reconstruct", str(tmp_path / "far.toml"), "--attempts", "2", "--changes", "20"]
     assert main(arguments) == 1
-    assert "0 of 1 maps found" in (told := capsys.readouterr().err)
-    assert "fewest steps" in told
+    assert "0 of 1 maps found" in (reported := capsys.readouterr().err)
+    assert "fewest steps" in reported
 
 
 @pytest.mark.parametrize(

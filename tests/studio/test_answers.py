@@ -116,7 +116,7 @@ def test_averages_and_verdicts_are_the_librarys(there):
 
 def test_where_no_tool_makes_a_difference_each_is_a_tie(there):
     yard = hb.load_world("yard")
-    found = told(there, scene(yard, horizon=0), tools=len(TOOLS) + 1)
+    found = reported(there, scene(yard, horizon=0), tools=len(TOOLS) + 1)
     assert set(found["averages"].values()) == {0.0}
     tie = {"useful": False, "better_than_none": False, "equal": True}
     assert found["verdicts"] == dict.fromkeys(TOOLS, tie)
@@ -149,7 +149,7 @@ def test_what_takes_too_long_says_so_in_the_words_of_the_page(there):
 
 def test_averages_of_a_small_stochastic_world_are_exact(there):
     world = hb.World.parse("AP..\n.C..\n...G\n####")
-    found = told(there, scene(world, horizon=2, slip=0.2), tools=len(TOOLS) + 1)
+    found = reported(there, scene(world, horizon=2, slip=0.2), tools=len(TOOLS) + 1)
     wanted = compare(world, [*TOOLS, "none"], 2, slip=0.2)
     assert found["averages"] == pytest.approx(wanted, abs=1e-5)
     assert set(found["within"].values()) == {0.0}
@@ -158,7 +158,7 @@ def test_averages_of_a_small_stochastic_world_are_exact(there):
         assert verdict == {"useful": True, "better_than_none": better, "equal": False}
 
 
-def told(there, asked: dict, tools: int) -> dict[str, dict]:
+def reported(there, asked: dict, tools: int) -> dict[str, dict]:
     """The averages, once all tools have one."""
     found: dict[str, dict] = {"averages": {}, "within": {}, "verdicts": {}}
     for answer in there.answers(there.send("measure", scene=asked)):
@@ -179,10 +179,10 @@ def test_futures_are_the_librarys(there, sensor):
     assert answer["count"] == len(wanted.observations)
     factor = mdp.factor("object")[wanted.observations] if sensor == "state" else wanted.observations
     probability = np.bincount(factor, wanted.seen, 20).reshape(4, 5)
-    told = np.zeros((4, 5))
+    reported = np.zeros((4, 5))
     for row, column, share in answer["things"]:
-        told[row, column] = share
-    assert np.allclose(told, probability)
+        reported[row, column] = share
+    assert np.allclose(reported, probability)
 
 
 def test_the_shortest_plan_is_the_librarys_and_stepping_through_it_ends_at_the_goal(there):

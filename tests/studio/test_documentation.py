@@ -55,9 +55,9 @@ def test_the_least_side_is_the_guides_and_the_protocols():
 
 def test_the_protocol_lists_every_request_with_its_fields():
     for name, (required, optional) in messages._FIELDS.items():
-        told = re.search(rf"(?m)^{name} .*(\n {{9}}.*)*", PROTOCOL)
-        assert told is not None, name
-        assert {*required, *optional} <= words(told[0]), name
+        reported = re.search(rf"(?m)^{name} .*(\n {{9}}.*)*", PROTOCOL)
+        assert reported is not None, name
+        assert {*required, *optional} <= words(reported[0]), name
 
 
 def test_the_protocol_lists_the_fields_of_a_scene():

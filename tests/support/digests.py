@@ -10,14 +10,14 @@ from habilis.mdp import TabularMDP
 
 def digest(*arrays: object) -> str:
     """Of the content, shapes and types of arrays and plain values."""
-    told = hashlib.sha256()
+    reported = hashlib.sha256()
     for one in arrays:
         if isinstance(one, np.ndarray):
-            told.update(f"{one.dtype.str} {one.shape}".encode())
-            told.update(np.ascontiguousarray(one).tobytes())
+            reported.update(f"{one.dtype.str} {one.shape}".encode())
+            reported.update(np.ascontiguousarray(one).tobytes())
         else:
-            told.update(repr(one).encode())
-    return told.hexdigest()[:16]
+            reported.update(repr(one).encode())
+    return reported.hexdigest()[:16]
 
 
 def table_digest(mdp: TabularMDP) -> str:
@@ -49,5 +49,5 @@ def run_digest(**settings: object) -> tuple[str, list[list[float]]]:
     run = hb.train(config)
     columns = [run.episodes[name].to_numpy() for name in run.episodes.columns]
     learned = [np.asarray(leaf, np.float64) for leaf in jax.tree.leaves(run.parameters)]
-    told = [[float(leaf.mean()), float(np.linalg.norm(leaf))] for leaf in learned]
-    return digest(*run.episodes.columns, *columns), told
+    reported = [[float(leaf.mean()), float(np.linalg.norm(leaf))] for leaf in learned]
+    return digest(*run.episodes.columns, *columns), reported

@@ -118,7 +118,7 @@ def matched(mdp: hb.TabularMDP, found: dict[Hashable, list[Hashable]]) -> str:
     if len(set(of_state.values())) != len(found) or len(of_state) != mdp.states:
         return f"DIFFERENT: {len(of_state)} states, {len(found)} situations"
     if len(of_state) != len(found):
-        return f"right: {len(found)} situations, things that look alike told apart"
+        return f"right: {len(found)} situations, things that look alike reported apart"
     return "right"
 
 

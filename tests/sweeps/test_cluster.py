@@ -65,7 +65,7 @@ def cluster():
         process.stdin.close()
 
 
-def told(process: subprocess.Popen) -> str:
+def reported(process: subprocess.Popen) -> str:
     assert process.stdout is not None
     line = process.stdout.readline().strip()
     assert line, "the cluster has gone"
@@ -76,7 +76,7 @@ def test_a_sweep_outlives_a_node_and_a_driver(room, tmp_path, cluster, capsys):
     spec = tmp_path / "grid.toml"
     spec.write_text(SPEC.format(room=room))
     folder, said = tmp_path / "cluster", tmp_path / "said"
-    address = told(cluster)
+    address = reported(cluster)
     command = ["sweep", str(spec), "--out", str(folder), "--ray", address]
 
     def start(*options: str) -> subprocess.Popen:
@@ -97,7 +97,7 @@ def test_a_sweep_outlives_a_node_and_a_driver(room, tmp_path, cluster, capsys):
     assert cluster.stdin is not None
     cluster.stdin.write("kill\n")
     cluster.stdin.flush()
-    assert told(cluster) == "killed"
+    assert reported(cluster) == "killed"
     before = len(finished())
     assert before < 8, "all was over before the node was killed"
     wait_for(first, before + 1)

@@ -91,9 +91,9 @@ def test_impossible_points_are_reported_and_left_out(room, tmp_path, capsys):
     spec = Spec(shared, ("minibatches",), (), Search(space, trials=6, seed=1))
     frame = search(spec, tmp_path / "search")
     assert set(frame["minibatches"]) == {4}
-    told = capsys.readouterr().err.splitlines()
-    assert len(told) == 6 - frame.height > 0
-    assert all("is left out: at minibatches = 7: minibatches is 7" in line for line in told)
+    reported = capsys.readouterr().err.splitlines()
+    assert len(reported) == 6 - frame.height > 0
+    assert all("is left out: at minibatches = 7: minibatches is 7" in line for line in reported)
     none = Spec(shared, ("minibatches",), (), Search({"minibatches": [7]}, trials=1))
     with pytest.raises(ValueError, match="no point of the search can be trained"):
         search(none, tmp_path / "none")

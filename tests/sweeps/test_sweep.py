@@ -114,10 +114,10 @@ def test_a_damaged_file_is_reported_and_its_runs_trained_again(config, tmp_path,
     path.write_bytes(data)
     assert results(folder).height < before.height
     after = sweep([config], folder, resume=True)
-    told = capsys.readouterr().err
-    assert told.startswith(f"habilis: {path}: is damaged (")
-    assert told.endswith("; it is computed again\n")
-    assert told.count("\n") == 1
+    reported = capsys.readouterr().err
+    assert reported.startswith(f"habilis: {path}: is damaged (")
+    assert reported.endswith("; it is computed again\n")
+    assert reported.count("\n") == 1
     assert after.drop("seconds").equals(before.drop("seconds"))
     assert results(folder).equals(after)
 
@@ -244,12 +244,12 @@ def test_a_task_whose_process_is_killed_is_run_again(config, tmp_path):
 
 def test_no_more_processes_are_started_than_fit_into_memory(config, tmp_path, monkeypatch):
     monkeypatch.setattr("habilis.tasks.local.available_memory", lambda: 100 * 2**20)
-    told = []
-    with processes(3, told.append) as executor:
+    reported = []
+    with processes(3, reported.append) as executor:
         frame = sweep([config], tmp_path / "sweep", executor=executor)
     assert frame.height == 7
-    assert len(told) == 1
-    assert told[0].startswith("habilis: 1 of 3 processes fit into memory, at ")
+    assert len(reported) == 1
+    assert reported[0].startswith("habilis: 1 of 3 processes fit into memory, at ")
 
 
 def test_memory_is_counted():

@@ -32,10 +32,10 @@ def test_the_table_of_one_tool_is_what_it_was(world, tool):
 def test_a_digest_depends_on_every_part_of_a_table():
     mdp = hb.tabulate(hb.World.parse("A.P.CG"))
     parts = mdp.next_state, mdp.reward, mdp.terminal, mdp.factor("object"), mdp.flags["attached"]
-    told = {table_digest(mdp)}
+    reported = {table_digest(mdp)}
     for part in parts:
         was = part.flat[-1]
         part.flat[-1] = not was
-        told.add(table_digest(mdp))
+        reported.add(table_digest(mdp))
         part.flat[-1] = was
-    assert len(told) == 1 + len(parts)
+    assert len(reported) == 1 + len(parts)

@@ -103,9 +103,9 @@ def compare(
     """
     averages, armed = {}, with_each_tool(world, tools)
     show = options.get("show_progress", False)
-    with progress_bar("tools", show) as tell:
+    with progress_bar("tools", show) as report:
         for done, (name, other) in enumerate(armed.items()):
-            tell(done, len(armed))
+            report(done, len(armed))
             mdp = tabulate(held(other), slip, show_progress=show)
             averages[name] = average_empowerment(mdp, horizon, "object", **options)
     return averages

@@ -127,8 +127,8 @@ def futures(
     problem = problem_of(mdp, horizon, sensor, used, tolerance, most)
     check_effort(problem, np.array([start]), 1, limits)
     try:
-        with progress_bar("actions", show_progress) as tell:
-            beliefs, answer = exact(problem, start, tell)
+        with progress_bar("actions", show_progress) as report:
+            beliefs, answer = exact(problem, start, report)
     except TooManyBeliefsError as error:
         raise too_much(horizon, error.horizon, limits) from None
     if answer.gap > tolerance:

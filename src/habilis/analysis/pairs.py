@@ -224,9 +224,9 @@ def pairs(
         for object in columns
     }
     measured: dict[object, _Pair] = {}
-    with progress_bar("pairs", options.get("show_progress", False)) as tell:
+    with progress_bar("pairs", options.get("show_progress", False)) as report:
         for done, pair in enumerate(alone.values()):
-            tell(done, len(alone))
+            report(done, len(alone))
             if (key := _dynamics(pair)) not in measured:
                 measured[key] = _measured(pair, horizon, slip, options)
     bounds = bounds_of(options.get("method", Exact()))

@@ -53,8 +53,8 @@ def _measured(lanes: int, device: str) -> list[Result]:
 
 def _all_of_train(lanes: int, device: str) -> Result:
     rate = steps_a_second(2 * lanes, lanes, _STEPS)
-    told = f"{device}; {2 * lanes:,} runs, bookkeeping included"
-    return Result(f"all of train(), {lanes:,} lanes", rate / 1e6, "M steps/s", told)
+    note = f"{device}; {2 * lanes:,} runs, bookkeeping included"
+    return Result(f"all of train(), {lanes:,} lanes", rate / 1e6, "M steps/s", note)
 
 
 def _books() -> list[Result]:

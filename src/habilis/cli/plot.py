@@ -65,12 +65,12 @@ def run(args: Args) -> int:
             figure = picture.curves_figure(drawn, best)
             save(out, lambda path: save_figure(figure, path))
     if args.json:
-        told = [
+        described = [
             {"folder": str(place), "label": label} | curve.as_dict()
             for place, (label, curve) in zip(args.folders, drawn.items(), strict=True)
         ]
         return print_json(
-            {"x": args.x, "value": args.value, "statistic": args.statistic, "curves": told}
+            {"x": args.x, "value": args.value, "statistic": args.statistic, "curves": described}
             | {"out": out and str(out)}
         )
     for label, curve in drawn.items():

@@ -36,8 +36,8 @@ def run(args: Args) -> int:
     except KeyboardInterrupt as stop:
         return refuse(str(stop) or "interrupted", status=128 + getattr(stop, "signal", 2))
     if args.json:
-        told = {answer.study.name: answer.as_dict() for answer in answers}
-        return print_json({"studies": told, "out": str(args.out)})
+        described = {answer.study.name: answer.as_dict() for answer in answers}
+        return print_json({"studies": described, "out": str(args.out)})
     for answer in answers:
         print(f"{answer.study.title} ({answer.study.name})")
         for line in answer.outcome:

@@ -37,14 +37,14 @@ def run(args: Args) -> int:
         with progress_bar("drawing", shows_progress(args)):
             save(args.out, lambda path: save_picture(world, path))
     if args.json:
-        told = {"name": world.name, "height": world.height, "width": world.width}
-        told |= {"tool": world.tool, "map": list(world.rows)}
+        fields = {"name": world.name, "height": world.height, "width": world.width}
+        fields |= {"tool": world.tool, "map": list(world.rows)}
         if world.header:
-            told |= {"header": world.header}
+            fields |= {"header": world.header}
         if not world.single:
-            told |= {"tools": [tool.name for tool in world.tools]}
-            told |= {"objects": [thing.name for thing in world.objects]}
-        return print_json(told)
+            fields |= {"tools": [tool.name for tool in world.tools]}
+            fields |= {"objects": [thing.name for thing in world.objects]}
+        return print_json(fields)
     from habilis.worlds.pictures.figures import colored_text
 
     for line in world.header:

@@ -214,12 +214,12 @@ def _solved(
 
     tolerance, threads = method.tolerance / scale, method.threads or 1
     problem = problem_of(mdp, horizon, sensor, actions, tolerance)
-    with progress_bar("states", show_progress) as tell:
+    with progress_bar("states", show_progress) as report:
         if isinstance(method, Sampled):
             return stochastic.lower_bounds(
-                problem, starts, method.samples, method.seed, threads, method.limits, tell
+                problem, starts, method.samples, method.seed, threads, method.limits, report
             )
-        bits, gap = stochastic.certified_bits(problem, starts, threads, method.limits, tell)
+        bits, gap = stochastic.certified_bits(problem, starts, threads, method.limits, report)
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return bits, gap
@@ -232,7 +232,7 @@ def question_of(
     actions: Int64[np.ndarray, "A"],
     starts: Int64[np.ndarray, "n"] | None,
     method: Exact,
-    tell: Progress,
+    report: Progress,
 ) -> "Question":
     """The counting problem of a measure of a deterministic table."""
     from habilis.empowerment.tabular.deterministic import Question
@@ -256,7 +256,7 @@ def question_of(
         mdp.shape,
         method.threads or processors(),
         method.limits,
-        tell,
+        report,
     )
 
 

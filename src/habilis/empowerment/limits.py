@@ -90,7 +90,7 @@ def check_memory(gib: float, fitting: int, horizon: int, limits: Limits) -> None
         raise too_much(horizon, fitting, limits, f"takes about {gib:.3g} GiB")
 
 
-def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress) -> Progress:
+def watched(horizon: int, steps: int, gib: float, limits: Limits, report: Progress) -> Progress:
     """A function to call with the share done: it refuses what turns out to take too long.
 
     The first moments of a computation are its own trial: from the share that they did follows the
@@ -103,7 +103,7 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
         steps: how many actions are gone through for it.
         gib: memory foreseen.
         limits: of time.
-        tell: called with every share.
+        report: called with every share.
 
     Returns:
         The function; it raises a `TooMuchError`.
@@ -113,7 +113,7 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, tell: Progress
 
     def watch(share: float) -> None:
         nonlocal next_trial, doubted
-        tell(share)
+        report(share)
         elapsed = time.monotonic() - began
         if not 0 < share < 1 or not next_trial <= elapsed < _STARTED:
             return

@@ -23,11 +23,11 @@ def takes_old_keywords(measure: Callable[P, R]) -> Callable[P, R]:
         >>> @takes_old_keywords
         ... def kept_within(method=Exact()):
         ...     return method.max_gib
-        >>> with warnings.catch_warnings(record=True) as told:
+        >>> with warnings.catch_warnings(record=True) as caught:
         ...     warnings.simplefilter("always")
         ...     kept_within(max_gib=2)
         2.0
-        >>> print(told[0].message)
+        >>> print(caught[0].message)
         max_gib= of kept_within is deprecated; give method=hb.Exact(max_gib=2)
     """
 

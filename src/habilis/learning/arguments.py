@@ -44,8 +44,8 @@ def add_config_arguments(parser: argparse.ArgumentParser) -> None:
         by_default: dict[str, list[str]] = {}
         for name, default in defaults.items():
             by_default.setdefault(default, []).append(name)
-        told = "; ".join(f"{', '.join(names)}: {value}" for value, names in by_default.items())
-        _add(group, f, told)
+        listed = "; ".join(f"{', '.join(names)}: {value}" for value, names in by_default.items())
+        _add(group, f, listed)
 
 
 def config_from_args(args: argparse.Namespace) -> Config:

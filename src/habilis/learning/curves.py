@@ -89,10 +89,10 @@ def learning_curve(
     missing = set(VALUES[value].meta.root_names()) - set(run.episodes.columns)
     if missing:
         raise ValueError(f"{run.world.name}: episodes have no {min(missing)!r}; plot another value")
-    told = run.episodes.select("run", "steps", value=VALUES[value].cast(pl.Float64))
+    episodes = run.episodes.select("run", "steps", value=VALUES[value].cast(pl.Float64))
     places, smooth = [], []
     for k in range(run.config.runs):
-        part = told.filter(run=k)
+        part = episodes.filter(run=k)
         values = held(smoothed(part["value"].to_numpy(), SMOOTHING))
         steps = part["steps"].cast(pl.Int64).cum_sum().to_numpy()
         there = np.isfinite(values)

@@ -83,7 +83,7 @@ def labels(configs: Sequence[Config], names: Sequence[str]) -> list[str]:
         names: take part where settings do not tell all apart.
     """
     common = [{f.name: getattr(c, f.name) for f in fields(c)} for c in configs]
-    told = [
+    described = [
         _differing(values, common, ("algorithm", *(() if values["beta"] else _OF_INTRINSIC)))
         for values in common
     ]
@@ -95,9 +95,9 @@ def labels(configs: Sequence[Config], names: Sequence[str]) -> list[str]:
             if type(other.algorithm) is type(config.algorithm)
         ]
         if len(same) < len(configs):
-            told[number].append(str(of_algorithm[number]["algorithm"]))
-        told[number] += _differing(of_algorithm[number], same, skip=tuple(common[0]))
-    found = [", ".join(words) for words in told]
+            described[number].append(str(of_algorithm[number]["algorithm"]))
+        described[number] += _differing(of_algorithm[number], same, skip=tuple(common[0]))
+    found = [", ".join(words) for words in described]
     unique = len(set(found)) == len(found) and all(found)
     return found if unique else [_named(n, f) for n, f in zip(names, found, strict=True)]
 

@@ -93,14 +93,14 @@ def _head(job: Job) -> list[Any]:
     rows = [f"| {name} | {value} |" for name, value in settings.items()]
     table = text("config", "\n".join(["| setting | value |", "|---|---|", *rows]))
     plain = {name: str(v) if isinstance(v, tuple) else v for name, v in settings.items()}
-    told: list[Any] = [table, *hparams(plain, dict.fromkeys(TAGS, 0.0))[:2]]
+    summaries: list[Any] = [table, *hparams(plain, dict.fromkeys(TAGS, 0.0))[:2]]
     # The start of a session makes a TensorBoard that is looking on forget what it has read.
     return [
         _events.Event(wall_time=now, file_version="brain.Event:2"),
         _events.Event(
             wall_time=now, step=0, session_log=_events.SessionLog(status=_events.SessionLog.START)
         ),
-        *(_events.Event(wall_time=now, step=0, summary=summary) for summary in told),
+        *(_events.Event(wall_time=now, step=0, summary=summary) for summary in summaries),
     ]
 
 

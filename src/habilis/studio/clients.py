@@ -28,9 +28,9 @@ class Client:
         self.trainings: dict[int, Training] = {}
         self._working: dict[str, tuple[int, asyncio.Task[None]]] = {}
 
-    async def tell(self, number: int | None, **answer: Any) -> None:
+    async def answer(self, number: int | None, **fields: Any) -> None:
         """Sends an answer to a request."""
-        await self._send(json.dumps({"id": number} | answer, allow_nan=False))
+        await self._send(json.dumps({"id": number} | fields, allow_nan=False))
 
     async def step(self, pool: Pool, name: str, **arguments: Any) -> Any:
         """Runs a step when it is this client's turn."""
@@ -41,7 +41,7 @@ class Client:
         earlier = self.working(kind)
         if earlier is not None:
             self._working[kind][1].cancel()
-            await self.tell(earlier, overtaken=True)
+            await self.answer(earlier, overtaken=True)
         self._working[kind] = number, asyncio.create_task(self._answered(number, work))
 
     def working(self, kind: str) -> int | None:
@@ -52,7 +52,7 @@ class Client:
     async def stop(self, number: int) -> None:
         """Stops a training, and keeps its progress."""
         if number not in self.trainings:
-            await self.tell(number, error=f"no training has the id {number}; it may have ended")
+            await self.answer(number, error=f"no training has the id {number}; it may have ended")
         else:
             self.trainings[number].stop()
 
@@ -67,7 +67,9 @@ class Client:
         try:
             await work
         except (ValueError, MissingExtraError) as error:
-            await self.tell(number, error=one_line(error))
+            await self.answer(number, error=one_line(error))
         except Exception as error:
             traceback.print_exc()
-            await self.tell(number, error=one_line(f"internal error: {error!r}; please report it"))
+            await self.answer(
+                number, error=one_line(f"internal error: {error!r}; please report it")
+            )

@@ -85,7 +85,9 @@ async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) ->
         bits = (await client.step(pools.quick, "landscape", scene=scene))["bits"]
     seconds = time.perf_counter() - began
     least, most = (min(bits), max(bits)) if bits else (None, None)
-    await client.tell(number, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds)
+    await client.answer(
+        number, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds
+    )
 
 
 async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) -> list[float]:
@@ -98,7 +100,7 @@ async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) ->
     bits: list[float] = []
     places = len(scene.world.agent_cells)
     async for bits in in_stretches(places, step):
-        await client.tell(number, progress=len(bits) / places)
+        await client.answer(number, progress=len(bits) / places)
     return bits
 
 
@@ -117,14 +119,14 @@ async def _averages(
         try:
             async for average in _average(pools, client, scene, tool):
                 known[tool] = average
-                await client.tell(
+                await client.answer(
                     number,
                     averages={tool: average.bits},
                     within={tool: average.within},
                     verdicts=verdicts(known),
                 )
         except StepError as error:
-            await client.tell(number, averages={tool: None}, verdicts={}, why=one_line(error))
+            await client.answer(number, averages={tool: None}, verdicts={}, why=one_line(error))
 
 
 async def _average(
@@ -150,20 +152,20 @@ async def _average(
 
 async def read(pools: Pools, client: Client, request: Request) -> None:
     world = _scene(request).world
-    await client.tell(request.id, drawn=drawn_of(world), text=world.text())
+    await client.answer(request.id, drawn=drawn_of(world), text=world.text())
 
 
 async def futures(pools: Pools, client: Client, request: Request) -> None:
     scene = _scene(request)
     agent = request.values["agent"]
     found = await client.step(pools.for_one(scene), "choices", scene=scene, agent=agent)
-    await client.tell(request.id, **found)
+    await client.answer(request.id, **found)
 
 
 async def solve(pools: Pools, client: Client, request: Request) -> None:
     at = request.values.get("placement")
     found = await client.step(pools.slow, "plan", scene=_scene(request), at=at)
-    await client.tell(request.id, **found)
+    await client.answer(request.id, **found)
 
 
 async def step(pools: Pools, client: Client, request: Request) -> None:
@@ -171,7 +173,7 @@ async def step(pools: Pools, client: Client, request: Request) -> None:
     found = await client.step(
         pools.for_one(scene), "step", scene=scene, at=values["placement"], action=values["action"]
     )
-    await client.tell(request.id, **found)
+    await client.answer(request.id, **found)
 
 
 ANSWERS: dict[str, Callable[[Pools, Client, Request], Coroutine[Any, Any, None]]] = {

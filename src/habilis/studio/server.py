@@ -96,7 +96,7 @@ class Studio:
             await client.stop(request.id)
             return
         if request.do == "train" and client.trainings:
-            await client.tell(request.id, error="a training is in progress; stop it first")
+            await client.answer(request.id, error="a training is in progress; stop it first")
             return
         if request.do == "measure":
             work = scene_requests.measure(pools, self.all_tools, client, request)
@@ -162,7 +162,7 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
             try:
                 request = read(message.get("text") or message.get("bytes"), studio.all_tools)
             except MessageError as error:
-                await client.tell(error.id, error=str(error))
+                await client.answer(error.id, error=str(error))
             else:
                 await studio.answer(client, request)
             await asyncio.sleep(0)  # a client that sends without pause does not block others

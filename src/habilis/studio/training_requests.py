@@ -30,7 +30,7 @@ async def train(pools: Pools, trainings: Trainings, client: Client, request: Req
 
 async def _train(pools: Pools, client: Client, number: int, training: Training) -> None:
     updated, share = float("-inf"), 0.0
-    await client.tell(number, progress=share, name=training.name)
+    await client.answer(number, progress=share, name=training.name)
     async for report in training.reports():
         if "error" in report:
             raise ValueError(report["error"])
@@ -42,7 +42,7 @@ async def _train(pools: Pools, client: Client, number: int, training: Training) 
             except StepError:  # there is no checkpoint yet
                 continue
             speed = report["steps_per_second"]
-            await client.tell(number, share=share, steps_per_second=speed, **curve)
+            await client.answer(number, share=share, steps_per_second=speed, **curve)
     try:
         curve = await client.step(pools.learning, "curve", folder=str(training.folder))
     except StepError:
@@ -52,14 +52,14 @@ async def _train(pools: Pools, client: Client, number: int, training: Training) 
     done = {"name": training.name, "runs": training.config.runs} | {
         name: curve[name] for name in ("converged_at", "best_return")
     }
-    await client.tell(number, share=share, done=done, **curve)
+    await client.answer(number, share=share, done=done, **curve)
 
 
 async def listed(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
     """All trainings with a folder, from any page; damaged ones with their error."""
     names = trainings.names()
     left_out = max(len(names) - LISTED, 0)
-    await client.tell(request.id, names=names[:LISTED], left_out=left_out)
+    await client.answer(request.id, names=names[:LISTED], left_out=left_out)
     for name in names[:LISTED]:
         under_way = name in trainings.under_way
         try:
@@ -67,13 +67,15 @@ async def listed(pools: Pools, trainings: Trainings, client: Client, request: Re
             found = await client.step(pools.learning, "kept", folder=folder)
         except StepError as error:
             found = {"error": one_line(error)}
-        await client.tell(request.id, kept={"name": name, "under_way": under_way} | found)
+        await client.answer(request.id, kept={"name": name, "under_way": under_way} | found)
 
 
 async def curve(pools: Pools, trainings: Trainings, client: Client, request: Request) -> None:
     """The learning curve of a training so far."""
     folder = trainings.path(request.values["name"])
-    await client.tell(request.id, **await client.step(pools.learning, "curve", folder=str(folder)))
+    await client.answer(
+        request.id, **await client.step(pools.learning, "curve", folder=str(folder))
+    )
 
 
 async def run(
@@ -88,4 +90,4 @@ async def run(
     if request.values.get("placement"):
         values["at"] = request.values["placement"]
     found = await client.step(pools.learning, "view", folder=str(folder), **values)
-    await client.tell(request.id, **found)
+    await client.answer(request.id, **found)

@@ -65,7 +65,7 @@ def reachable(
     ways = [True, False] if world.may_fail else [True]
     rows: list[np.ndarray] = []
     done = level = 0
-    with progress_bar("placements", show_progress) as tell:  # reading a large map takes time too
+    with progress_bar("placements", show_progress) as report:  # reading a large map takes time too
         packing = Packing.of(world)
         if not isinstance(placements, Places):
             placements = places_of(world, _listed(placements))
@@ -80,7 +80,7 @@ def reachable(
                 rows.append(found.add(after.ravel()).reshape(after.shape))
                 if len(found) > max_states:
                     raise too_many(world, horizon, max_states)
-                tell(first + len(keys), len(found))
+                report(first + len(keys), len(found))
             done, level = frontier, level + 1
     known = found.keys
     order = np.argsort(known)

@@ -110,8 +110,8 @@ def _whole(world: World, max_states: int, show_progress: bool = False) -> Tabula
     at = Places.of(grid, hands[hand, 0], tuple(tools), (thing,))
 
     actions, works = len(actions_of(world)), [True, False] if world.may_fail else [True]
-    with progress_bar("placements", show_progress) as tell:
-        ways = [_led(grid, kinds, at, state_of, hand_of, actions, way, tell) for way in works]
+    with progress_bar("placements", show_progress) as report:
+        ways = [_led(grid, kinds, at, state_of, hand_of, actions, way, report) for way in works]
     tool = grid.index(world.tools[0].cell) if world.tools else grid.nowhere
     start = state_of[hand_of[grid.index(world.agent), tool], grid.index(world.object)]
     return describe(world, at, ways[0], int(start), *ways[1:])
@@ -125,7 +125,7 @@ def _led(
     hand_of: Int32[np.ndarray, "cells cells"],
     actions: int,
     works: bool,
-    tell: Callable[[int, int], None],
+    report: Callable[[int, int], None],
 ) -> Int32[np.ndarray, "S A"]:
     """The state that each action leads to."""
     next_state = np.empty((len(at.agent), actions), np.int32)
@@ -136,7 +136,7 @@ def _led(
             to = successor(grid, kinds, action, part, works)
             tool = to.tools[0] if to.tools else grid.nowhere
             next_state[block, action] = state_of[hand_of[to.agent, tool], to.objects[0]]
-        tell(first + len(part.agent), len(at.agent))
+        report(first + len(part.agent), len(at.agent))
     return next_state
 
 

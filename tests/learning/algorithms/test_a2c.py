@@ -237,9 +237,9 @@ def test_entropys_weight_stays_where_no_steps_are_given():
 
 
 def test_normalised_advantages_have_mean_zero_and_deviation_one():
-    told = actor_critic.normalised(jnp.array([[1.0, 5.0], [-3.0, 2.0]]))
-    assert told.mean() == pytest.approx(0, abs=1e-6)
-    assert told.std() == pytest.approx(1, rel=1e-5)
+    reported = actor_critic.normalised(jnp.array([[1.0, 5.0], [-3.0, 2.0]]))
+    assert reported.mean() == pytest.approx(0, abs=1e-6)
+    assert reported.std() == pytest.approx(1, rel=1e-5)
 
 
 def test_schedules_count_environment_steps_not_updates():

@@ -31,7 +31,9 @@ def made_up(study, converged_at, **columns):
                 row = {"case": case.name, "agent": agent.name, "beta": 0.1 * agent.has_bonus}
                 row |= {"seed": 0, "run": run, "converged_at": at, "first_success": 5 + run}
                 row |= {"episodes": at or 20_000, "steps": 100_000, "finite": True}
-                rows.append(row | {name: told(agent.name, run) for name, told in columns.items()})
+                rows.append(
+                    row | {name: reported(agent.name, run) for name, reported in columns.items()}
+                )
     whole = {"converged_at": pl.Int64, "first_success": pl.Int64}
     return pl.DataFrame(rows, schema_overrides=whole, infer_schema_length=None)
 
@@ -83,9 +85,9 @@ def test_comparisons_and_their_sentences_come_from_the_numbers():
     assert outcome["A2C + product of both cans", "A2C"] is Outcome.OPPOSITE
     assert outcome["A2C + second can", "A2C"] is Outcome.OPPOSITE
     assert outcome["A2C + first can", "A2C"] is Outcome.UNDECIDED
-    told = dict.fromkeys(sentences(TWO_GOALS, compared))
-    assert any("A2C + product of both cans is later than A2C (p = " in line for line in told)
-    assert any("A2C + first can is not distinguishable from A2C (p = " in line for line in told)
+    reported = dict.fromkeys(sentences(TWO_GOALS, compared))
+    assert any("A2C + product of both cans is later than A2C (p = " in line for line in reported)
+    assert any("A2C + first can is not distinguishable from A2C (p = " in line for line in reported)
     other = made_up(TWO_GOALS, lambda agent, run: 12_000 - (episodes(agent, run) or 0))
     turned = {(c.agent, c.other): c.outcome for c in contrasts(TWO_GOALS, other)}
     assert turned["A2C + sum of both cans", "A2C"] is Outcome.OPPOSITE

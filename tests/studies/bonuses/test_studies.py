@@ -87,9 +87,9 @@ def test_shares_of_the_fitting_tool_are_of_the_first_and_the_last_episodes():
     episodes = pl.DataFrame({"run": zeros, "steps": steps, f"equipped:{FITTING}": had})
 
     whole = Run(Config(), CHOOSING.cases[0].world, -20.0, episodes, (None,), None)
-    assert choosing.tell(whole, 0) == {"early": 0.0, "late": 1.0}
+    assert choosing.measure_run(whole, 0) == {"early": 0.0, "late": 1.0}
     part = replace(whole, episodes=episodes.head(1_800))
-    assert choosing.tell(part, 0) == {"early": 0.0, "late": 0.5}
+    assert choosing.measure_run(part, 0) == {"early": 0.0, "late": 0.5}
 
 
 SHORT = {name: replace(study, cases=study.cases[:1]) for name, study in STUDIES.items()}
@@ -133,9 +133,9 @@ def test_what_is_there_is_not_trained_again(folder, capsys):
     damaged.write_bytes(b"")
     before = (folder / "choosing.csv").read_text(), (folder / "unseen-runs.csv").read_text()
     assert main(["study", "--out", str(folder), "--quick", "--resume", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert list(told["studies"]) == list(STUDIES)
-    assert all(answer["outcome"] for answer in told["studies"].values())
+    reported = json.loads(capsys.readouterr().out)
+    assert list(reported["studies"]) == list(STUDIES)
+    assert all(answer["outcome"] for answer in reported["studies"].values())
     after = (folder / "choosing.csv").read_text(), (folder / "unseen-runs.csv").read_text()
     assert after == before
     trained = {p for p in kept if p.stat().st_mtime_ns != kept[p]}
@@ -208,8 +208,8 @@ def test_what_cannot_be_is_refused_in_a_line(arguments, problem, tmp_path, monke
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "mine.txt").write_text("mine")
     assert main(arguments) == 2
-    told = capsys.readouterr()
-    assert (told.out, told.err.count("\n")) == ("", 1)
-    assert told.err.startswith("habilis: ")
-    assert problem in told.err
+    reported = capsys.readouterr()
+    assert (reported.out, reported.err.count("\n")) == ("", 1)
+    assert reported.err.startswith("habilis: ")
+    assert problem in reported.err
     assert [path.name for path in tmp_path.rglob("*")] == ["full", "mine.txt"]

@@ -74,9 +74,9 @@ def test_an_mp4_has_a_frame_per_state_and_rests_on_the_last(tmp_path: Path):
 
 def test_a_video_plays_in_browsers(tmp_path: Path):
     save_mp4(walk(), tmp_path / "walk.mp4")
-    told = told_of(tmp_path / "walk.mp4")
-    assert "Video: h264" in told
-    assert "yuv420p(tv, bt709" in told
+    reported = told_of(tmp_path / "walk.mp4")
+    assert "Video: h264" in reported
+    assert "yuv420p(tv, bt709" in reported
     video = (tmp_path / "walk.mp4").read_bytes()
     assert video.index(b"moov") < video.index(b"mdat")  # starts before all of it has come
 

@@ -154,14 +154,14 @@ def enumerate_states(
     began = time.thread_time()  # of the processor: what else runs here leaves replays no less
     found = _Found(access, max_states)
     drew: list[tuple[int, int]] = []
-    with progress_bar("states", show_progress) as tell:
+    with progress_bar("states", show_progress) as report:
         while (state := len(found.steps)) < len(found.marks):
             mark, ended = found.marks[state]
             if ended:  # an end is not stepped out of
                 found.steps.append([Step((mark, True), np.float32(0), 0)] * actions)
             else:
                 drew += _look_into(access, found, state, actions)
-            tell(len(found.steps), len(found.marks))
+            report(len(found.steps), len(found.marks))
     if drew:
         _try_again(access, found, drew, show_progress)
     seconds = time.thread_time() - began
@@ -273,7 +273,7 @@ def _try_again(
     """Makes steps that drew random numbers with thousands of others, until time is up."""
     deadline = time.perf_counter() + _SECONDS
     tried, at_once = _TRIES_AT_ONCE * len(drew), max(1, _TRIES // (_ROUNDS * len(drew)))
-    with progress_bar("steps that draw random numbers", show_progress) as tell:
+    with progress_bar("steps that draw random numbers", show_progress) as report:
         while tried < _TRIES:
             for state, action in drew:
                 if time.perf_counter() > deadline:
@@ -281,7 +281,7 @@ def _try_again(
                 step, seeds = found.steps[state][action], range(tried, tried + at_once)
                 _try_others(access, found, (state, action), step, seeds)
                 tried += at_once
-                tell(tried, _TRIES)
+                report(tried, _TRIES)
 
 
 def _try_others(

@@ -150,22 +150,22 @@ def replayed(
     coverage = _Coverage(dynamics.successors())
     end = time.thread_time() + seconds
     logs = []
-    with progress_bar("transitions in replays", show_progress) as tell:
+    with progress_bar("transitions in replays", show_progress) as report:
         every = sum(map(len, coverage.unseen))
         for choose in _choosers(coverage, dynamics, end - seconds / 4, late):
             log, mismatch = _episode(dynamics, choose, 1 + len(logs), coverage)
             if mismatch is not None:
                 return coverage.seen, mismatch
             logs.append(log)
-            tell(len(coverage.seen), every)
-    with progress_bar("replays with other random numbers", show_progress) as tell:
+            report(len(coverage.seen), every)
+    with progress_bar("replays with other random numbers", show_progress) as report:
         for seed, log in enumerate(logs):
             if time.thread_time() > end:
                 break
             _, mismatch = _episode(dynamics, _listed(log), -1 - seed, coverage)
             if mismatch is not None:
                 return coverage.seen, replace(mismatch, again=True)
-            tell(seed + 1, len(logs))
+            report(seed + 1, len(logs))
     return coverage.seen, None
 
 

@@ -106,17 +106,17 @@ def beliefs_after(
     start: int,
     horizon: int,
     most_entries: int = 2**62,
-    tell: Callable[[int, int], None] = unheard,
+    report: Callable[[int, int], None] = unheard,
 ) -> Beliefs:
     """All distinct beliefs that sequences of h actions from a state lead to.
 
-    None if no sequence is certain to be executable. `tell` receives how many actions are done.
+    None if no sequence is certain to be executable. `report` receives how many actions are done.
 
     Raises:
         TooManyBeliefsError: at some step they are more than `most_entries` numbers.
     """
     if successors.certain:
-        return _ends(successors, start, horizon, most_entries, tell)
+        return _ends(successors, start, horizon, most_entries, report)
     states, local = _around(successors, start, horizon)
     most = max(most_entries // len(states), 1)
     matrix = np.zeros((1, len(states)))
@@ -130,7 +130,7 @@ def beliefs_after(
         if len(matrix) > most:
             raise TooManyBeliefsError(t)
         steps.append((parent, action))
-        tell(t + 1, horizon)
+        report(t + 1, horizon)
     return Beliefs(states, matrix, tuple(steps))
 
 
@@ -139,7 +139,7 @@ def _ends(
     start: int,
     horizon: int,
     most: int,
-    tell: Callable[[int, int], None],
+    report: Callable[[int, int], None],
 ) -> Beliefs:
     """`beliefs_after` where nothing is uncertain: a belief is a state."""
     from scipy.sparse import csr_array, eye_array
@@ -154,7 +154,7 @@ def _ends(
         if len(here) > most:
             raise TooManyBeliefsError(t)
         steps.append((parent, action))
-        tell(t + 1, horizon)
+        report(t + 1, horizon)
     return Beliefs(here, csr_array(eye_array(len(here))), tuple(steps))
 
 

@@ -50,13 +50,13 @@ def in_turn(
     stopped = False
 
     def do(part: int) -> None:
-        def tell(share: float) -> None:
+        def report(share: float) -> None:
             if stopped:
                 raise InterruptedError
             shares[part] = share
 
-        tell(0.0)
-        work(part, tell)
+        report(0.0)
+        work(part, report)
         shares[part] = 1.0
 
     with ThreadPoolExecutor(min(threads, parts)) as pool:

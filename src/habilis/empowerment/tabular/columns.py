@@ -88,10 +88,10 @@ def count_columns(
     counts = np.zeros(columns.count if columns.forward else graph.nodes, np.int64)
     lock = threading.Lock()
 
-    def count(block: Block, part: tuple[int, int], tell: Progress) -> None:
+    def count(block: Block, part: tuple[int, int], report: Progress) -> None:
         begin(block, *columns.begun(part), horizon)
         while not advance(way, block, _UNIONS):
-            tell(block.time / max(block.end, 1))
+            report(block.time / max(block.end, 1))
         if columns.forward:
             counts[slice(*part)] = seen_by(block, labels, label_count, part[1] - part[0])
         else:
@@ -117,13 +117,13 @@ def count_every_horizon(
     counts = np.zeros((horizon + 1, len(starts)), np.int64)
     lock = threading.Lock()
 
-    def count(block: Block, part: tuple[int, int], tell: Progress) -> None:
+    def count(block: Block, part: tuple[int, int], report: Progress) -> None:
         begin(block, *columns.begun(part), horizon)
         rows = [sizes_of(block)[starts]]
         while not block.period and block.time < horizon:
             advance(graph, block, 1)
             rows.append(sizes_of(block)[starts])
-            tell(block.time / horizon)
+            report(block.time / horizon)
         place = repeated(horizon, len(rows) - 1, block.period or 1)
         with lock:
             np.add(counts, np.stack(rows)[place], out=counts)
@@ -140,10 +140,10 @@ def _for_blocks(count, nodes: int, columns: Columns, threads: int, watch: Progre
     for _ in range(min(threads, len(parts))):
         free.put(Block.empty(nodes))
 
-    def work(part: int, tell: Progress) -> None:
+    def work(part: int, report: Progress) -> None:
         block = free.get()
         try:
-            count(block, parts[part], tell)
+            count(block, parts[part], report)
         finally:
             free.put(block)
 

@@ -134,7 +134,7 @@ def count_forward(
     edges = [len(starts) * part // parts for part in range(parts + 1)]
     counts = np.empty(len(starts), np.int64)
 
-    def work(part: int, tell: Progress) -> None:
+    def work(part: int, report: Progress) -> None:
         here = slice(edges[part], edges[part + 1])
         counts[here] = _count_forward(
             next_state,

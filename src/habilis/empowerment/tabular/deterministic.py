@@ -51,7 +51,7 @@ class Question:
         shape: rows and columns of that map.
         threads: how many work side by side.
         limits: what it may cost.
-        tell: is called with the share that is done.
+        report: is called with the share that is done.
     """
 
     table: Int32[np.ndarray, "S A"]
@@ -63,7 +63,7 @@ class Question:
     shape: tuple[int, int] | None = None
     threads: int = 1
     limits: Limits = UNLIMITED
-    tell: Progress = unwatched
+    report: Progress = unwatched
 
 
 def counts(question: Question) -> Counts:
@@ -94,7 +94,7 @@ def counts(question: Question) -> Counts:
             question.horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64))
         )
         _compile_packed()
-        watch = watched(horizon, steps, gib, question.limits, question.tell)
+        watch = watched(horizon, steps, gib, question.limits, question.report)
         return count_backward(
             asked.table, asked.labels, asked.label_count, steps, asked.threads, watch
         )[place]
@@ -130,7 +130,7 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
     if asked.label_count <= MOST_PACKED_LABELS:
         gib = _check(horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64)))
         _compile_packed()
-        watch = watched(horizon, horizon, gib, limits, question.tell)
+        watch = watched(horizon, horizon, gib, limits, question.report)
         sets = sets_backward(
             asked.table, asked.labels, asked.label_count, horizon, asked.threads, jump=False
         )
@@ -148,7 +148,7 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
     gib = _check(horizon, asked, levels, _columns_bytes(asked, columns))
     check_memory(*_rows_gib(question, len(place), horizon + 1, gib), horizon, limits)
     _compile_columns(False)
-    watch = watched(horizon, horizon, gib, limits, question.tell)
+    watch = watched(horizon, horizon, gib, limits, question.report)
     graph = Graph.of(asked.table)
     every = count_every_horizon(
         graph, asked.labels, asked.label_count, horizon, place, asked.threads, watch
@@ -264,7 +264,7 @@ def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | 
     shown = asked.labels >= 0
     gib = _check(question.horizon, asked, levels, lambda states: 24.0 * states)
     _compile_window()
-    watch = watched(question.horizon, steps, gib, limits, question.tell)
+    watch = watched(question.horizon, steps, gib, limits, question.report)
     # Shifting a word takes twice as long as uniting two, so half of them must be saved.
     window = window_of(
         table, row, column, steps, words // 2, threads, shown=shown, watch=_first_half(watch)
@@ -272,7 +272,7 @@ def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | 
     if window is None:
         return None
     gib = _check(question.horizon, asked, levels, _window_bytes(asked, window))
-    watch = watched(question.horizon, steps, gib, limits, question.tell)
+    watch = watched(question.horizon, steps, gib, limits, question.report)
     return count_in_window(table, row, column, steps, window, threads, shown=shown, watch=watch)
 
 
@@ -307,14 +307,14 @@ def _of_many_labels(
         if (found[trial] >= 0).mean() > 0.5:
             rest = np.ones(len(starts), bool)
             rest[trial] = False
-            watch = watched(question.horizon, asked.horizon, gib, question.limits, question.tell)
+            watch = watched(question.horizon, asked.horizon, gib, question.limits, question.report)
             listed(np.flatnonzero(rest), asked.threads, watch)
     long = np.flatnonzero(found < 0)
     if len(long):
         graph = Graph.of(asked.table) if graph is None else graph
         columns = Columns.of(asked.labels, asked.label_count, starts[long])
         _compile_columns(columns.forward)
-        watch = watched(question.horizon, asked.horizon, gib, question.limits, question.tell)
+        watch = watched(question.horizon, asked.horizon, gib, question.limits, question.report)
         counted = count_columns(
             graph,
             asked.labels,

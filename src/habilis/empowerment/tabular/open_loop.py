@@ -104,19 +104,21 @@ def successors_of(transitions: "Int32[np.ndarray, 'S A'] | csr_array", actions: 
 
 
 def exact(
-    problem: Problem, start: int, tell: Callable[[int, int], None] = unheard
+    problem: Problem, start: int, report: Callable[[int, int], None] = unheard
 ) -> tuple[Beliefs, Answer]:
     """The empowerment of a state over all sequences of actions.
 
     Args:
         problem: what is asked.
         start: the state.
-        tell: receives how many actions are done, and how many there are.
+        report: receives how many actions are done, and how many there are.
 
     Raises:
         TooManyBeliefsError: there are more beliefs than `most_entries` allows.
     """
-    beliefs = beliefs_after(problem.successors, start, problem.horizon, problem.most_entries, tell)
+    beliefs = beliefs_after(
+        problem.successors, start, problem.horizon, problem.most_entries, report
+    )
     answer = solve_channel(problem, beliefs.states, beliefs.matrix)
     return beliefs, answer
 

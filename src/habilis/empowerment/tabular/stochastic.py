@@ -23,7 +23,7 @@ def certified_bits(
     starts: Int64[np.ndarray, "n"],
     threads: int,
     limits: Limits,
-    tell: Tell = unheard,
+    report: Tell = unheard,
 ) -> tuple[Bits, Bits]:
     """Empowerment and gap of states, float64[n] bits each.
 
@@ -41,7 +41,7 @@ def certified_bits(
         except TooManyBeliefsError as error:
             raise too_much(problem.horizon, error.horizon, limits) from None
 
-    return _for_all(answer, starts, threads, tell)
+    return _for_all(answer, starts, threads, report)
 
 
 def _soonest(problem: Problem) -> Problem:
@@ -62,7 +62,7 @@ def lower_bounds(
     seed: int,
     threads: int,
     limits: Limits,
-    tell: Tell = unheard,
+    report: Tell = unheard,
 ) -> tuple[Bits, Bits]:
     """Bits that some sequences attain, and how much more there could be at the very most.
 
@@ -70,14 +70,14 @@ def lower_bounds(
         ValueError: it would take more than the limits; see `effort.check_samples`.
     """
     check_samples(problem, starts, samples, threads, limits)
-    return _for_all(lambda start: sampled(problem, start, samples, seed), starts, threads, tell)
+    return _for_all(lambda start: sampled(problem, start, samples, seed), starts, threads, report)
 
 
 def _for_all(
     answer: Callable[[int], Answer],
     starts: Int64[np.ndarray, "n"],
     threads: int,
-    tell: Tell,
+    report: Tell,
 ) -> tuple[Bits, Bits]:
     """Bits and gaps; a state's are the same whatever thread works on it."""
     asked, place = np.unique(starts, return_inverse=True)
@@ -90,11 +90,11 @@ def _for_all(
     if threads == 1 or len(asked) < 2:
         for start in asked.tolist():
             pairs.append(both(start))
-            tell(len(pairs), len(asked))
+            report(len(pairs), len(asked))
     else:
         with ThreadPoolExecutor(threads) as pool:
             for pair in pool.map(both, asked.tolist()):
                 pairs.append(pair)
-                tell(len(pairs), len(asked))
+                report(len(pairs), len(asked))
     values = np.array(pairs).reshape(-1, 2)
     return values[place, 0], values[place, 1]

@@ -37,7 +37,7 @@ EARLY, LATE = 1_000, 100
 """The numbers of first and of last episodes over which shares are taken."""
 
 
-def tell(run: Run, index: int) -> dict[str, float]:
+def measure_run(run: Run, index: int) -> dict[str, float]:
     """In what shares of a run's early and late episodes it has the fitting tool in hand.
 
     For most of their steps: where tools can be put down, a long episode meets them all.
@@ -67,7 +67,7 @@ STUDY = Study(
         Measure("early", f"rake in hand in the first {EARLY:,} episodes", False),
         Measure("late", f"rake in hand in the last {LATE} episodes", False),
     ),
-    tell=tell,
+    measure_run=measure_run,
     figure=episodes_figure,
     caption=CAPTION,
     steps=STEPS,

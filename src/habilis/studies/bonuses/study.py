@@ -111,7 +111,7 @@ class Study:
         agents: which are.
         pairs: the contrasts, each an agent's name and another's.
         measures: what its table has; the first one decides, also among weights.
-        tell: measurements of a run besides episodes to first success and convergence.
+        measure_run: measurements of a run besides episodes to first success and convergence.
         figure: its picture, from `analysis.summary` and the table of runs.
         caption: under it.
         steps: the budget of a run, in environment steps.
@@ -124,7 +124,7 @@ class Study:
     agents: tuple[Agent, ...]
     pairs: tuple[tuple[str, str], ...]
     measures: tuple[Measure, ...]
-    tell: RunMeasure
+    measure_run: RunMeasure
     figure: Callable[[pl.DataFrame, pl.DataFrame], Figure]
     caption: str
     steps: int

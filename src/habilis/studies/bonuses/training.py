@@ -32,7 +32,7 @@ class Point:
 
     @cached_property
     def tasks(self) -> list[TrainingTask]:
-        return tasks_of(self.config, self.case.world, (episodes_of, self.study.tell))
+        return tasks_of(self.config, self.case.world, (episodes_of, self.study.measure_run))
 
     def rows(self, results: Mapping[str, Arrays]) -> list[dict[str, Any]]:
         """A row for each of its runs; see `trained`."""

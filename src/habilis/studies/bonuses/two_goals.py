@@ -27,7 +27,7 @@ PAIRS = (
 )
 
 
-def tell(run: Run, index: int) -> dict[str, float]:
+def measure_run(run: Run, index: int) -> dict[str, float]:
     """Nothing besides episodes to first success and to convergence."""
     return {}
 
@@ -41,7 +41,7 @@ STUDY = Study(
     agents=AGENTS,
     pairs=PAIRS,
     measures=(CONVERGENCE, FIRST_SUCCESS),
-    tell=tell,
+    measure_run=measure_run,
     figure=lambda table, runs: episodes_figure(table, runs, (CONVERGENCE,)),
     caption=CAPTION,
     steps=STEPS,

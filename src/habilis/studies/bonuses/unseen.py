@@ -30,7 +30,7 @@ UNSEEN = Measure("unseen", "success from unseen placements", False)
 SEEN = Measure("seen", "success from those of training", False)
 
 
-def tell(run: Run, index: int) -> dict[str, float | None]:
+def measure_run(run: Run, index: int) -> dict[str, float | None]:
     """The success rates of a run's greedy policy."""
     return dict(success(run, index)._asdict())
 
@@ -67,7 +67,7 @@ STUDY = Study(
     agents=AGENTS,
     pairs=PAIRS,
     measures=(UNSEEN, SEEN, CONVERGENCE),
-    tell=tell,
+    measure_run=measure_run,
     figure=figure,
     caption="Success of the greedy policy from the placements that it was trained from (left) and "
     "from others (right): every run, and the mean over them with its 95 % bootstrap interval.",
