@@ -47,11 +47,24 @@ class Origin(Protocol):
         ...
 
 
+class ModelStates(Protocol):
+    """The states of the model that a table was made of."""
+
+    def state(self, index: int) -> Any:
+        """A state as the model has it."""
+        ...
+
+    def index(self, state: Any) -> int:
+        """The number of a state; -1 if it is not in the table."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class TabularMDP:
     """A finite MDP; state and action are indices.
 
-    Made by `deterministic`, `stochastic`, `from_gymnasium` or, from a world, `tabulate`.
+    Made by `deterministic`, `stochastic`, `from_gymnasium`, of a model by `explore` or, of a world,
+    by `tabulate`.
 
     Attributes:
         transitions: where actions lead. Deterministic: int32[S, A], the next state. Stochastic:
@@ -72,6 +85,8 @@ class TabularMDP:
         entry_reward: float32[S], the reward of entering each state, for the outcomes of stochastic
             actions. Where `reward` is not its mean over next states, and without it, every outcome
             earns `reward`.
+        cells: the factors whose labels are cells of `shape`; `None`: all but "held" and "laid".
+        model_states: the states of the model that `explore` made the table of, if any.
     """
 
     transitions: "Int32[np.ndarray, 'S A'] | csr_array"
@@ -84,6 +99,8 @@ class TabularMDP:
     actions: tuple[str, ...] = ()
     origin: "Origin | None" = field(default=None, repr=False)
     entry_reward: Float32[np.ndarray, "S"] | None = None
+    cells: frozenset[str] | None = None
+    model_states: "ModelStates | None" = field(default=None, repr=False)
 
     @classmethod
     def deterministic(
@@ -286,13 +303,75 @@ class TabularMDP:
         """
         return self._environment(state).observation(int(state))
 
+    def state(self, index: int | np.integer) -> Any:
+        """A state of the model that `explore` made this table of.
+
+        Args:
+            index: its number here.
+
+        Returns:
+            The state as the model has it.
+
+        Raises:
+            ValueError: the table was not made of a model, or there is no such state.
+
+        Example:
+            >>> class Coin:
+            ...     actions, initial = ("turn",), "heads"
+            ...
+            ...     def step(self, state, action):
+            ...         return "tails" if state == "heads" else "heads"
+            >>> from habilis.models import explore
+            >>> explore(Coin()).state(1)
+            'tails'
+        """
+        states = self._of_model()
+        self._check_index(index)
+        return states.state(int(index))
+
+    def index(self, state: Any) -> int:
+        """The number of a state of the model that `explore` made this table of.
+
+        Args:
+            state: as the model has it.
+
+        Returns:
+            Its index.
+
+        Raises:
+            KeyError: it was not reached.
+            ValueError: the table was not made of a model.
+
+        Example:
+            >>> class Coin:
+            ...     actions, initial = ("turn",), "heads"
+            ...
+            ...     def step(self, state, action):
+            ...         return "tails" if state == "heads" else "heads"
+            >>> from habilis.models import explore
+            >>> explore(Coin()).index("tails")
+            1
+        """
+        found = self._of_model().index(state)
+        if found < 0:
+            raise KeyError(f"the table has no state {state!r:.80}: it is not reached")
+        return found
+
+    def _of_model(self) -> "ModelStates":
+        if self.model_states is None:
+            raise ValueError("this table was not made of a model; habilis.explore makes one of it")
+        return self.model_states
+
+    def _check_index(self, state: Any) -> None:
+        if not isinstance(state, int | np.integer) or not 0 <= state < self.states:
+            raise ValueError(f"state is {state!r}; use 0 to {self.states - 1}")
+
     def _environment(self, state: int | np.integer) -> "Origin":
         if self.origin is None:
             raise ValueError(
                 "this table was not made from an environment; TabularMDP.from_gymnasium makes one"
             )
-        if not isinstance(state, int | np.integer) or not 0 <= state < self.states:
-            raise ValueError(f"state is {state!r}; use 0 to {self.states - 1}")
+        self._check_index(state)
         return self.origin
 
     def slippery(self, slip: float) -> "TabularMDP":
@@ -450,8 +529,10 @@ class TabularMDP:
             name: of the factor, in full.
 
         Returns:
-            Not for "held" and "laid", and in an MDP without a map for none.
+            Not for "held" and "laid", and in an MDP without a map for none; see `cells`.
         """
+        if self.cells is not None:
+            return name in self.cells
         return self.shape is not None and name not in (HELD, LAID)
 
     def label(self, cell: tuple[int, int]) -> int:
@@ -500,6 +581,6 @@ class TabularMDP:
         return int(matches[0])
 
     def _label_of(self, name: str, value: Any) -> int:
-        if self.shape is None or self.is_cell(self.factor_named(name)):
+        if self.shape is None and self.cells is None or self.is_cell(self.factor_named(name)):
             return self.label(value)
         return operator.index(value)

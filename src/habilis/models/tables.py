@@ -1,0 +1,218 @@
+"""The table of the states that were reached: where they lead, and what the model says of them."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from jaxtyping import Bool, Float32, Float64, Int, Int32
+
+from habilis.mdp import ModelStates, TabularMDP
+from habilis.models.protocol import Model, VectorModel
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+Outcomes = Mapping[int, Sequence[tuple[float, int]]]
+"""(probability, next state) by the number of the transition, `state * actions + action`."""
+
+_BLOCK = 1 << 14  # states or transitions described at once
+_CELL = 2  # numbers of a cell: row and column
+
+
+class Reached(ModelStates, Protocol):
+    """States in the order in which they were met."""
+
+    @property
+    def next_state(self) -> Int32[np.ndarray, "expanded A"]:
+        """Where the first of them lead; -1 where an action is not available."""
+        ...
+
+    def take(self, states: Int[np.ndarray, "n"]) -> Any:
+        """Some states as one argument of `factors_many` and its like."""
+        ...
+
+
+def table_of(
+    model: Model | VectorModel,
+    found: Reached,
+    count: int,
+    actions: tuple[str, ...],
+    outcomes: Outcomes | None = None,
+) -> TabularMDP:
+    """The table of `count` states that were reached; those not expanded stay where they are.
+
+    Raises:
+        ValueError: the model says something of a state that no table can have.
+    """
+    expanded = found.next_state
+    next_state = np.empty((count, expanded.shape[1]), np.int32)
+    next_state[: len(expanded)] = expanded
+    next_state[len(expanded) :] = np.arange(len(expanded), count, dtype=np.int32)[:, None]
+    terminal = _terminal(model, found, count)
+    if outcomes:
+        stacked = _with_outcomes(next_state, outcomes)
+        rows = np.repeat(np.arange(next_state.size), np.diff(stacked.indptr))
+        led, weights = stacked.indices, stacked.data
+        by_action = [stacked[a :: next_state.shape[1]] for a in range(next_state.shape[1])]
+        mdp = TabularMDP.stochastic(by_action, terminal=terminal)
+    else:
+        rows = np.flatnonzero(next_state >= 0)
+        led, weights = next_state.ravel()[rows], np.ones(1)
+        mdp = TabularMDP.deterministic(next_state, terminal=terminal)
+    earned = _rewards(model, found, rows, led, next_state.shape, len(expanded))
+    if earned is not None:
+        mean = np.bincount(rows, earned * weights, next_state.size)
+        entry_reward = _by_next_state(earned, led, count)
+        mdp = replace(mdp, reward=mean.reshape(next_state.shape).astype(np.float32))
+        mdp = replace(mdp, entry_reward=entry_reward)
+    labels, shape, cells = _factors(model, found, count)
+    return replace(
+        mdp, factors=labels, shape=shape, cells=cells, actions=actions, model_states=found
+    )
+
+
+def _with_outcomes(next_state: Int32[np.ndarray, "S A"], outcomes: Outcomes) -> "csr_array":
+    """float64[S * A, S], the probabilities of the next states."""
+    from scipy.sparse import csr_array
+
+    sure = np.flatnonzero(next_state >= 0)
+    several = [(row, to, p) for row, ways in outcomes.items() for p, to in ways]
+    rows, columns, weights = (np.array(part) for part in zip(*several, strict=True))
+    rows, columns = (
+        np.concatenate([one, other])
+        for one, other in ((sure, rows), (next_state.ravel()[sure], columns))
+    )
+    weights = np.concatenate([np.ones(len(sure)), weights])
+    return csr_array((weights, (rows, columns)), (next_state.size, len(next_state)))
+
+
+def _rewards(
+    model: Model | VectorModel,
+    found: Reached,
+    rows: Int[np.ndarray, "n"],
+    led: Int[np.ndarray, "n"],
+    shape: tuple[int, int],
+    expanded: int,
+) -> Float64[np.ndarray, "n"] | None:
+    """The rewards of outcomes, given transition and next state; 0 where a state only stays."""
+    reward = _many(model, "reward")
+    if reward is None:
+        return None
+    earned = np.zeros(len(rows))
+    made = int(np.searchsorted(rows, expanded * shape[1]))
+    for block in _blocks(made):
+        states, chosen = np.divmod(rows[block], shape[1])
+        values = np.asarray(reward(found.take(states), chosen, found.take(led[block])))
+        if values.dtype.kind not in "biuf" or values.shape != states.shape:
+            wrong = values.tolist()[0] if len(values) else values
+            raise ValueError(f"reward returns {wrong!r:.80}; return a number for each transition")
+        bad = np.flatnonzero(~(abs(values) <= np.finfo(np.float32).max))
+        if len(bad):
+            raise ValueError(
+                f"reward of action {chosen[bad[0]]} in state "
+                f"{found.state(int(states[bad[0]]))!r:.80} is {values[bad[0]]}; give a finite number"
+            )
+        earned[block] = values
+    return earned
+
+
+def _by_next_state(
+    earned: Float64[np.ndarray, "n"], led: Int[np.ndarray, "n"], count: int
+) -> Float32[np.ndarray, "S"] | None:
+    """The reward of entering each state, if it depends on nothing else."""
+    entered = np.zeros(count)
+    entered[led] = earned
+    return entered.astype(np.float32) if (entered[led] == earned).all() else None
+
+
+def _terminal(
+    model: Model | VectorModel, found: Reached, count: int
+) -> Bool[np.ndarray, "S"] | None:
+    terminal = _many(model, "terminal")
+    if terminal is None:
+        return None
+    flags = np.zeros(count, bool)
+    for block in _blocks(count):
+        values = np.asarray(terminal(found.take(np.arange(count)[block])))
+        if values.dtype.kind != "b" or values.shape != flags[block].shape:
+            raise ValueError(
+                f"terminal returns {values.ravel()[:1].tolist()}; return True or False for each state"
+            )
+        flags[block] = values
+    return flags
+
+
+def _factors(
+    model: Model | VectorModel, found: Reached, count: int
+) -> tuple[dict[str, Int32[np.ndarray, "S"]], tuple[int, int] | None, frozenset[str]]:
+    """The labels of all states, the shape of the map, and which labels are cells of it."""
+    factors = _many(model, "factors")
+    if factors is None:
+        return {}, None, frozenset()
+    found_so_far: dict[str, list[np.ndarray]] = {}
+    for block in _blocks(count):
+        states = found.take(np.arange(count)[block])
+        given = factors(states)
+        columns = given if isinstance(given, Mapping) else _columns(given, found, block.start)
+        if found_so_far and columns.keys() != found_so_far.keys():
+            raise ValueError(f"factors has {[*columns]} and elsewhere {[*found_so_far]}")
+        for name, values in columns.items():
+            labels = np.asarray(values)
+            right = labels.shape in ((len(states),), (len(states), _CELL))
+            if not right or labels.dtype.kind not in "biu":
+                raise ValueError(
+                    f"factor {name!r} is {values[0]!r:.80} in state "
+                    f"{found.state(block.start)!r:.80}; give a whole number or (row, column), the "
+                    "same in every state"
+                )
+            found_so_far.setdefault(name, []).append(labels)
+    whole = {name: np.concatenate(parts) for name, parts in found_so_far.items()}
+    cells = {name: labels for name, labels in whole.items() if labels.ndim == _CELL}
+    shape = getattr(model, "shape", None)
+    if shape is None and cells:
+        height, width = (np.concatenate([*cells.values()]).max(axis=0) + 1).tolist()
+        shape = height, width
+    for name, cell in cells.items():
+        outside = ((cell < 0) | (cell >= np.array(shape))).any(axis=1)
+        if outside.any():
+            first = int(np.flatnonzero(outside)[0])
+            raise ValueError(
+                f"factor {name!r} is the cell {tuple(cell[first].tolist())} in state "
+                f"{found.state(first)!r:.80}, which is outside the {shape[0]} x {shape[1]} cells"
+            )
+        whole[name] = cell[:, 0] * shape[1] + cell[:, 1]
+    return {n: v.astype(np.int32) for n, v in whole.items()}, shape, frozenset(cells)
+
+
+def _columns(given: list[Any], found: Reached, first: int) -> dict[str, list[Any]]:
+    """The factors of some states, by name."""
+    for place, one in enumerate(given):
+        if not isinstance(one, Mapping) or one.keys() != given[0].keys():
+            state = found.state(first + place)
+            raise ValueError(
+                f"factors({state!r:.80}) returns {one!r:.80}; return a dict with the same names in "
+                "every state"
+            )
+    return {name: [one[name] for one in given] for name in given[0]}
+
+
+def _many(model: Model | VectorModel, name: str) -> Callable[..., Any] | None:
+    """What a model says of many states at once, by calling it for each if it must be."""
+    many = getattr(model, f"{name}_many", None)
+    if many is not None:
+        return many
+    one = getattr(model, name, None)
+    if one is None:
+        return None
+    return lambda *columns: [one(*row) for row in zip(*map(_listed, columns), strict=True)]
+
+
+def _listed(column: Any) -> list[Any]:
+    listed = column.tolist() if isinstance(column, np.ndarray) else column
+    return [tuple(row) for row in listed] if getattr(column, "ndim", 1) > 1 else listed
+
+
+def _blocks(count: int) -> Iterator[slice]:
+    for first in range(0, count, _BLOCK):
+        yield slice(first, min(first + _BLOCK, count))
