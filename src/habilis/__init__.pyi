@@ -23,6 +23,9 @@ from habilis.learning import SoftValueIteration as SoftValueIteration
 from habilis.learning import preset as preset
 from habilis.learning import train as train
 from habilis.mdp import TabularMDP as TabularMDP
+from habilis.models import Model as Model
+from habilis.models import VectorModel as VectorModel
+from habilis.models import explore as explore
 from habilis.studies.reproduction.reproduce import reproduce as reproduce
 from habilis.worlds import Plan as Plan
 from habilis.worlds import Tool as Tool
@@ -39,6 +42,7 @@ from . import analysis as analysis
 from . import channels as channels
 from . import envs as envs
 from . import learning as learning
+from . import models as models
 from . import rewards as rewards
 from . import studies as studies
 from . import sweeps as sweeps

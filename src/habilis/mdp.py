@@ -47,6 +47,7 @@ class Origin(Protocol):
         ...
 
 
+@runtime_checkable
 class ModelStates(Protocol):
     """The states of the model that a table was made of."""
 
@@ -581,6 +582,6 @@ class TabularMDP:
         return int(matches[0])
 
     def _label_of(self, name: str, value: Any) -> int:
-        if self.shape is None and self.cells is None or self.is_cell(self.factor_named(name)):
+        if (self.shape is None and self.cells is None) or self.is_cell(self.factor_named(name)):
             return self.label(value)
         return operator.index(value)

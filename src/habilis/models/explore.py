@@ -1,7 +1,8 @@
 """From a model to its table: breadth first through all states that can be reached."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol, runtime_checkable
+from functools import singledispatch
+from typing import Any
 
 import numpy as np
 
@@ -13,17 +14,8 @@ from habilis.models.values import reach_values
 from habilis.progress import progress_bar
 
 
-@runtime_checkable
-class Explorable(Protocol):
-    """What knows itself how it is explored, as a `World` does."""
-
-    def explored(self, states: Any, limits: Limits, show_progress: bool) -> TabularMDP:
-        """As `explore`."""
-        ...
-
-
 def explore(
-    model: Model | VectorModel | Explorable,
+    model: Any,
     states: Sequence[Any] | None = None,
     horizon: int | None = None,
     max_states: int = MAX_STATES,
@@ -70,32 +62,38 @@ def explore(
         >>> explore(Line(), states=[2], horizon=1).states
         3
     """
-    limits = _limits(horizon, max_states)
-    if isinstance(model, Explorable):
-        return model.explored(states, limits, show_progress)
+    return explored(model, states, _limits(horizon, max_states), show_progress)
+
+
+@singledispatch
+def explored(
+    model: Any, states: Sequence[Any] | None, limits: Limits, show_progress: bool
+) -> TabularMDP:
+    """As `explore`, with checked limits; other types of models register their own way."""
     if is_gymnasium(model):
-        if states is not None or horizon is not None:
+        if states is not None or limits.horizon is not None:
             raise ValueError(
                 "a Gymnasium environment is explored whole, from its first state; leave out states "
                 "and horizon"
             )
-        return TabularMDP.from_gymnasium(model, max_states=max_states, show_progress=show_progress)
+        most = limits.max_states
+        return TabularMDP.from_gymnasium(model, max_states=most, show_progress=show_progress)
     if not isinstance(model, Model | VectorModel):
         raise ValueError(
             f"{type(model).__name__} is no model; give it actions and step(state, action), or "
             "step_many(states, actions)"
         )
     if states is None:
-        if getattr(model, "initial", None) is None:
+        if (initial := getattr(model, "initial", None)) is None:
             raise ValueError("the model has no initial state; give states=[...]")
-        states = [getattr(model, "initial")]  # noqa: B009 (it is optional)
+        states = [initial]
     if len(states) == 0:
         raise ValueError("states is empty; give at least one state")
     with progress_bar("states", show_progress) as report:
         if isinstance(model, VectorModel):
-            from habilis.models.vector import explored  # Numba takes long to import
+            from habilis.models.vector import explore_rows  # Numba takes long to import
 
-            return explored(model, states, limits, report)
+            return explore_rows(model, states, limits, report)
         names, actions = action_names(model)
         available = getattr(model, "available", None)
         found = reach_values(model.step, actions, available, states, limits, report)
@@ -103,7 +101,7 @@ def explore(
 
 
 def is_gymnasium(model: Any) -> bool:
-    """Whether it is an environment of Gymnasium's, told without importing that."""
+    """Whether it is an environment of Gymnasium's, found out without importing that."""
     return hasattr(model, "action_space") and hasattr(model, "unwrapped")
 
 

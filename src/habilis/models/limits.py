@@ -40,9 +40,9 @@ class Limits:
         within = "" if self.horizon is None else f" within {self.horizon} actions"
         give = "give a horizon" if self.horizon is None else "give a lower horizon"
         return TooManyStatesError(
-            f"more than {self.max_states:,} states can be reached{within}; {expanded:,} of them are "
-            f"expanded, those up to {level} actions from the first: raise max_states if there is "
-            f"memory for it, {give}, or leave out of the states what no later step depends on"
+            f"more than {self.max_states:,} states can be reached{within}; {expanded:,} of them "
+            f"are expanded, those up to {level} actions from the first: raise max_states if there "
+            f"is memory for it, {give}, or leave out of the states what no later step depends on"
         )
 
 

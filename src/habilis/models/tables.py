@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int, Int32
@@ -20,6 +20,7 @@ _BLOCK = 1 << 14  # states or transitions described at once
 _CELL = 2  # numbers of a cell: row and column
 
 
+@runtime_checkable
 class Reached(ModelStates, Protocol):
     """States in the order in which they were met."""
 
@@ -109,10 +110,8 @@ def _rewards(
             raise ValueError(f"reward returns {wrong!r:.80}; return a number for each transition")
         bad = np.flatnonzero(~(abs(values) <= np.finfo(np.float32).max))
         if len(bad):
-            raise ValueError(
-                f"reward of action {chosen[bad[0]]} in state "
-                f"{found.state(int(states[bad[0]]))!r:.80} is {values[bad[0]]}; give a finite number"
-            )
+            where = f"action {chosen[bad[0]]} in state {found.state(int(states[bad[0]]))!r:.80}"
+            raise ValueError(f"reward of {where} is {values[bad[0]]}; give a finite number")
         earned[block] = values
     return earned
 
@@ -137,7 +136,7 @@ def _terminal(
         values = np.asarray(terminal(found.take(np.arange(count)[block])))
         if values.dtype.kind != "b" or values.shape != flags[block].shape:
             raise ValueError(
-                f"terminal returns {values.ravel()[:1].tolist()}; return True or False for each state"
+                f"terminal returns {values.tolist()!r:.80}; return True or False for each state"
             )
         flags[block] = values
     return flags

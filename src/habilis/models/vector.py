@@ -16,7 +16,7 @@ from habilis.models.values import usable_actions
 _ROWS = 2  # dimensions of an array with a state a row
 
 
-def explored(
+def explore_rows(
     model: VectorModel,
     states: Sequence[Any],
     limits: Limits,

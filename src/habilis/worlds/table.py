@@ -8,6 +8,8 @@ import numpy as np
 from jaxtyping import Int32
 
 from habilis.mdp import TabularMDP
+from habilis.models.explore import explored
+from habilis.models.limits import Limits
 from habilis.progress import progress_bar
 from habilis.worlds.grid import Cells, Grid
 from habilis.worlds.placements import (
@@ -83,6 +85,18 @@ def tabulate(
             raise TooManyPlacementsError(f"{error}, {_MORE}") from None
         return reached.slippery(slip)
     return _whole(world, max_states, show_progress).slippery(slip)
+
+
+@explored.register
+def _(
+    world: World, states: Sequence[Placement] | None, limits: Limits, show_progress: bool
+) -> TabularMDP:
+    """`explore` of a world: whole as `tabulate` has it, or what can be reached from placements."""
+    most = limits.max_states
+    if limits.horizon is None:
+        return tabulate(world, starts=states, max_states=most, show_progress=show_progress)
+    starts = [start_of(world)] if states is None else states
+    return reachable(world, starts, limits.horizon, most, show_progress)[0]
 
 
 def placements(world: World) -> int:
