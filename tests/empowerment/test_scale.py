@@ -235,7 +235,7 @@ def test_walls_hold_nothing():
 
 
 def test_labels_need_a_table():
-    with pytest.raises(ValueError, match="or tabulate the world"):
+    with pytest.raises(ValueError, match="or tabulate it"):
         hb.empowerment(huge_world(), 1, np.zeros(3, int), states=[{}])
 
 

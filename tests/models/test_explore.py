@@ -142,7 +142,7 @@ def test_states_at_the_horizon_stay_where_they_are(line):
     assert explore(line, states=[first], horizon=0).next_state.tolist() == [[0, 0]]
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)
 @given(st.integers(1, 3), st.integers(2, 4), st.integers(0, 2**31), st.integers(0, 6))
 def test_both_kinds_of_models_give_the_same_table(columns, most, seed, horizon):
     weights = np.random.default_rng(seed).integers(-9, 9, size=(3, columns, columns + 1))
@@ -324,3 +324,55 @@ def test_states_that_are_not_there_are_refused():
         explore(Rows()).index((1, 2))
     with pytest.raises(ValueError, match="state is 5; use 0 to 4"):
         mdp.state(5)
+
+
+@pytest.mark.parametrize("line", [Described(), DescribedRows(), RowsDescribedOneByOne()])
+def test_measures_take_a_model_as_they_take_its_table(line):
+    mdp, states = explore(line), [line.initial]
+    for horizon in range(5):
+        bits = hb.empowerment(mdp, horizon, states=[0])
+        assert hb.empowerment(line, horizon, states=states) == pytest.approx(bits)
+        assert hb.empowerment(line, horizon, "parity").tolist() == pytest.approx(
+            hb.empowerment(mdp, horizon, "parity")
+        )
+    assert hb.persistence(line, "state").tolist() == hb.persistence(mdp, "state").tolist()
+    assert hb.to_dataframe(line).equals(hb.to_dataframe(mdp))
+    plan, same = hb.solve(line), hb.solve(mdp)
+    assert plan is not None
+    assert same is not None
+    assert plan.actions == same.actions == (1, 1, 1, 1)
+    assert plan.states == tuple(map(mdp.state, same.states))
+    assert plan.best_return == same.best_return
+
+
+def test_a_plan_is_found_without_exploring_further_than_it_goes():
+    made = []
+
+    def step(state, action):
+        made.append(state)
+        return state + (-1, 1)[action]
+
+    endless = model(step, terminal=lambda state: state == 5)
+    plan = hb.solve(endless)
+    assert plan is not None
+    assert plan.states == (0, 1, 2, 3, 4, 5)
+    assert max(map(abs, made)) == 4
+    near = hb.solve(endless, 4)
+    assert near is not None
+    assert near.actions == (1,)
+
+
+def test_empowerment_explores_no_further_than_the_horizon():
+    made = []
+
+    def step(state, action):
+        made.append(state)
+        return state + (-1, 1)[action]
+
+    assert hb.empowerment(model(step), 3, states=[0, 10]).tolist() == [2, 2]
+    assert {*made} == {-2, -1, 0, 1, 2, 8, 9, 10, 11, 12}
+
+
+def test_a_models_states_have_no_numbers_for_a_sensor():
+    with pytest.raises(ValueError, match=r"a model's states have no numbers yet; .* or explore it"):
+        hb.empowerment(Line(), 2, [0, 1, 2, 3, 4])

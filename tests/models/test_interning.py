@@ -18,7 +18,7 @@ def batches(draw):
     return columns, draw(st.lists(rows, max_size=5))
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)
 @given(batches())
 def test_every_row_has_the_number_of_its_first_appearance(data):
     columns, parts = data
@@ -33,7 +33,7 @@ def test_every_row_has_the_number_of_its_first_appearance(data):
     assert [list(first)[place] for place in order] == sorted(first)
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)
 @given(batches())
 def test_rows_that_are_not_there_have_no_number(data):
     columns, parts = data
@@ -67,3 +67,16 @@ def test_twelve_small_numbers_are_one_word():
     none = np.zeros(12, np.int64)
     assert Packing.of(none, none + 31).words == 1
     assert Packing.of(none, none + 63).words == 2
+
+
+def test_values_that_fall_one_by_one_are_repacked_a_few_times_only(monkeypatch):
+    made = []
+    of = Packing.of
+    monkeypatch.setattr(
+        Packing, "of", lambda *ranges, **more: made.append(ranges) or of(*ranges, **more)
+    )
+    found = InternedRows(1)
+    for value in range(1000):
+        found.add(np.array([[-value]]))
+    assert len(made) < 20
+    assert found.rows()[:, 0].tolist() == [-value for value in range(1000)]

@@ -10,15 +10,16 @@ from numpy.typing import ArrayLike
 
 from habilis.empowerment.arguments import chosen_states
 from habilis.files import save_whole, suffix_of
-from habilis.mdp import TabularMDP
+from habilis.models.explore import AnyModel
 from habilis.probabilities import as_array
+from habilis.worlds.table import whole_table
 
 if TYPE_CHECKING:
     import polars as pl
 
 
 def to_dataframe(
-    mdp: TabularMDP,
+    model: AnyModel,
     values: ArrayLike | Mapping[str, ArrayLike] | None = None,
     *,
     states: ArrayLike | None = None,
@@ -27,7 +28,7 @@ def to_dataframe(
     """One row a state: its index, its factors (cells as row and column), flags, and its values.
 
     Args:
-        mdp: any table.
+        model: a table; or any other model, which is explored whole.
         values: one for every state, as `empowerment` gives them, for a column "bits"; or several
             such arrays by the names of their columns.
         states: the n states that the rows are about, as indices or as bool[S], where `empowerment`
@@ -45,6 +46,7 @@ def to_dataframe(
         >>> to_dataframe(mdp, foe=[1.0, 0.5]).rows(named=True)
         [{'state': 0, 'foe': 1.0}, {'state': 1, 'foe': 0.5}]
     """
+    mdp = whole_table(model)
     rows = chosen_states(mdp, states)
     columns: dict[str, np.ndarray] = {"state": rows}
     for name, labels in mdp.factors.items():

@@ -1,7 +1,7 @@
 """Empowerment: the capacity of the channel from the next h actions to the sensor."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, TypedDict, Unpack, overload
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, overload
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -22,18 +22,19 @@ from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
+from habilis.models.explore import AnyModel, explore
 from habilis.processors import processors
 from habilis.progress import in_percent, progress_bar
 from habilis.worlds.placements import Placement
 from habilis.worlds.reach import reachable
-from habilis.worlds.table import tabulate
+from habilis.worlds.table import whole_table
 from habilis.worlds.world import World
 
 if TYPE_CHECKING:
     from habilis.empowerment.tabular.deterministic import Question
 
-States = ArrayLike | Placement | Sequence[Placement]
-"""Indices, bool[S] or, of a world, placements."""
+States = ArrayLike | Placement | Sequence[Any]
+"""Indices, bool[S] or, of a world, placements; of a model, its states."""
 
 Bits = Float64[np.ndarray, "n"]
 
@@ -50,7 +51,7 @@ class Options(TypedDict, total=False):
 
 @overload
 def empowerment(
-    mdp: TabularMDP | World,
+    model: AnyModel,
     horizon: int,
     sensor: Sensor = ...,
     actions: ArrayLike | None = ...,
@@ -63,7 +64,7 @@ def empowerment(
 
 @overload
 def empowerment(
-    mdp: TabularMDP | World,
+    model: AnyModel,
     horizon: int,
     sensor: Sensor = ...,
     actions: ArrayLike | None = ...,
@@ -76,7 +77,7 @@ def empowerment(
 
 @takes_old_keywords
 def empowerment(
-    mdp: TabularMDP | World,
+    model: AnyModel,
     horizon: int,
     sensor: Sensor = "state",
     actions: ArrayLike | None = None,
@@ -110,8 +111,8 @@ def empowerment(
     Where there is no such sequence, empowerment is 0, and so is the gap.
 
     Args:
-        mdp: the table; or a world, of which then only so much is tabulated as h actions can reach
-            from the states asked about.
+        model: a table; or a `World`, a `Model` or a `VectorModel`, of which only so much is
+            explored as h actions can reach from the states asked about; or a Gymnasium environment.
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
             empowerment, "object:can" where there are several), int[S] or bool[S] labels, or
@@ -120,7 +121,8 @@ def empowerment(
             the values through each, which are in `unit`. That is not a joint sensor.
         actions: the action indices that sequences are made of; by default all.
         states: the n states asked about, as indices or as bool[S]; of a world, as placements such
-            as `{"agent": (0, 0), "tool": (1, 0), "object": (2, 2)}`. By default all, in order.
+            as `{"agent": (0, 0), "tool": (1, 0), "object": (2, 2)}`; of a model, a list of its
+            states. By default all, in order, those of `explore`.
         method: `Exact` or `Sampled`, with their settings, such as `Exact(max_seconds=60)`; what it
             may cost, and the gap to reach, are those of each sensor.
         return_gap: whether to return the certificate too.
@@ -150,8 +152,10 @@ def empowerment(
     """
     horizon = whole_number("horizon", horizon)
     scale, method = per_bit(unit), checked_method(method)
-    if isinstance(mdp, World):
-        mdp, states = _around(mdp, horizon, sensor, states, show_progress)
+    if isinstance(model, TabularMDP):
+        mdp = model
+    else:
+        mdp, states = _around(model, horizon, sensor, states, show_progress)
     used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
 
     def through(one: Sensor) -> tuple[Bits, Bits]:
@@ -167,17 +171,22 @@ def empowerment(
 
 
 def _around(
-    world: World, horizon: int, sensor: Sensor, states: States | None, show_progress: bool
+    model: AnyModel, horizon: int, sensor: Sensor, states: Any, show_progress: bool
 ) -> tuple[TabularMDP, Int64[np.ndarray, "n"] | None]:
-    """As much of a world's table as is needed, and the asked states in it."""
+    """As much of a model's table as is needed, and the asked states in it."""
+    is_world = isinstance(model, World)
     if not isinstance(sensor, str):
+        kind, otherwise = ("world", "tabulate") if is_world else ("model", "explore")
         raise ValueError(
-            "a world's states have no numbers yet; give the name of a factor or 'state' as sensor, "
-            "or tabulate the world"
+            f"a {kind}'s states have no numbers yet; give the name of a factor or 'state' as "
+            f"sensor, or {otherwise} it"
         )
     if states is None:
-        return tabulate(world, show_progress=show_progress), None
-    return reachable(world, states, horizon, show_progress=show_progress)
+        return whole_table(model, show_progress), None
+    if is_world:
+        return reachable(model, states, horizon, show_progress=show_progress)
+    mdp = explore(model, states, horizon, show_progress=show_progress)
+    return mdp, np.array([mdp.index(state) for state in states])
 
 
 def _counted(

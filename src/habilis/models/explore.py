@@ -9,13 +9,16 @@ import numpy as np
 from habilis.mdp import TabularMDP
 from habilis.models.limits import MAX_STATES, Limits
 from habilis.models.protocol import Model, VectorModel, action_names
-from habilis.models.tables import table_of
+from habilis.models.tables import many, table_of
 from habilis.models.values import reach_values
 from habilis.progress import progress_bar
 
+AnyModel = Any
+"""A `TabularMDP`, a `Model`, a `VectorModel`, a `World` or a Gymnasium environment."""
+
 
 def explore(
-    model: Any,
+    model: AnyModel,
     states: Sequence[Any] | None = None,
     horizon: int | None = None,
     max_states: int = MAX_STATES,
@@ -98,6 +101,15 @@ def explored(
         available = getattr(model, "available", None)
         found = reach_values(model.step, actions, available, states, limits, report)
         return table_of(model, found, len(found.states), names, found.outcomes)
+
+
+def explore_to_end(
+    model: AnyModel, states: Sequence[Any] | None = None, max_states: int = MAX_STATES
+) -> TabularMDP:
+    """As `explore`, but no further than to the nearest terminal states."""
+    terminal = many(model, "terminal")
+    until = None if terminal is None else lambda newest: bool(np.any(terminal(newest)))
+    return explored(model, states, Limits(None, max_states, until), False)
 
 
 def is_gymnasium(model: Any) -> bool:

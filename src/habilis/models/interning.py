@@ -9,6 +9,7 @@ from habilis.compiled import compiled
 
 _SCATTER = np.uint64(0x9E3779B97F4A7C15)  # 2**64 over the golden ratio: spreads keys that are near
 _FIRST_BITS = 12
+_LEAST = -(2**63)
 _WORD = 63  # bits of a word that hold values; the sign is left alone
 
 
@@ -30,8 +31,17 @@ class Packing:
     words: int
 
     @classmethod
-    def of(cls, least: Int64[np.ndarray, "k"], most: Int64[np.ndarray, "k"]) -> "Packing":
+    def of(
+        cls,
+        least: Int64[np.ndarray, "k"],
+        most: Int64[np.ndarray, "k"],
+        falling: Bool[np.ndarray, "k"] | None = None,
+    ) -> "Packing":
         """The packing of columns of integers from `least` to `most`.
+
+        Args:
+            least, most: of each column.
+            falling: where the values that its bits can have besides are to be below `least`.
 
         Raises:
             ValueError: a column's values differ by 2**63 or more.
@@ -48,6 +58,12 @@ class Packing:
             shift.append(used)
             used += width
         places = group - np.array(word[::-1], np.int64), np.array(shift[::-1], np.int64)
+        if falling is not None:
+            lowest = [
+                max(high - (1 << b) + 1, _LEAST)
+                for high, b in zip(most.tolist(), bits, strict=True)
+            ]
+            least = np.where(falling, np.array(lowest, np.int64), least)
         return cls(least, np.array(bits, np.int64), *places, words=group + 1)
 
     @property
@@ -73,6 +89,7 @@ class InternedRows:
 
     def __init__(self, columns: int) -> None:
         none = np.zeros(columns, np.int64)
+        self._ranges = none, none
         self._packing = Packing.of(none, none)
         self._bits = _FIRST_BITS
         self._keys = np.empty((1 << (_FIRST_BITS - 1), self._packing.words), np.int64)
@@ -144,10 +161,14 @@ class InternedRows:
         old = self._packing
         least, most = _ranges(rows)
         if self._count == 0:
+            self._ranges = least, most
             self._packing = Packing.of(least, most)
         elif (least < old.least).any() or (most > old.most).any():
-            self._packing = Packing.of(np.minimum(least, old.least), np.maximum(most, old.most))
+            known = self._ranges
+            self._ranges = np.minimum(least, known[0]), np.maximum(most, known[1])
+            self._packing = Packing.of(*self._ranges, falling=least < old.least)
         else:
+            self._ranges = np.minimum(least, self._ranges[0]), np.maximum(most, self._ranges[1])
             return
         keys = np.empty((len(self._keys), self._packing.words), np.int64)
         if self._count:

@@ -1,6 +1,8 @@
 """How far an exploration goes, and which steps are made a second time."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Int64
@@ -21,14 +23,24 @@ class Limits:
     Attributes:
         horizon: how many actions from the first states; `None` for any number.
         max_states: how many states are accepted.
+        until: whether some states, as `factors_many` and its like take them, are where to stop:
+            those that one more action reaches are not expanded then.
     """
 
     horizon: int | None
     max_states: int
+    until: Callable[[Any], bool] | None = None
 
-    def goes_on(self, level: int) -> bool:
-        """Whether states that `level` actions reach are expanded."""
-        return self.horizon is None or level < self.horizon
+    def goes_on(self, level: int, newest: Callable[[], Any]) -> bool:
+        """Whether states are expanded.
+
+        Args:
+            level: how many actions lead to them.
+            newest: makes them.
+        """
+        if self.horizon is not None and level >= self.horizon:
+            return False
+        return self.until is None or level == 0 or not self.until(newest())
 
     def exceeded(self, expanded: int, level: int) -> TooManyStatesError:
         """The error that says how far the exploration came, and what to do.

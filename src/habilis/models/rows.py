@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -66,7 +67,7 @@ def reach_rows(
     leads: list[Int32[np.ndarray, "n A"]] = []
     done = level = 0
     with ThreadPoolExecutor(processors()) as pool:
-        while done < len(found) and limits.goes_on(level):
+        while done < len(found) and limits.goes_on(level, partial(found.rows, done)):
             frontier = len(found)
             for after, there in _in_order(pool, step, found, done, frontier):
                 mask = None if there is None else there.ravel()

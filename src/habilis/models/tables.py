@@ -97,7 +97,7 @@ def _rewards(
     expanded: int,
 ) -> Float64[np.ndarray, "n"] | None:
     """The rewards of outcomes, given transition and next state; 0 where a state only stays."""
-    reward = _many(model, "reward")
+    reward = many(model, "reward")
     if reward is None:
         return None
     earned = np.zeros(len(rows))
@@ -128,7 +128,7 @@ def _by_next_state(
 def _terminal(
     model: Model | VectorModel, found: Reached, count: int
 ) -> Bool[np.ndarray, "S"] | None:
-    terminal = _many(model, "terminal")
+    terminal = many(model, "terminal")
     if terminal is None:
         return None
     flags = np.zeros(count, bool)
@@ -146,7 +146,7 @@ def _factors(
     model: Model | VectorModel, found: Reached, count: int
 ) -> tuple[dict[str, Int32[np.ndarray, "S"]], tuple[int, int] | None, frozenset[str]]:
     """The labels of all states, the shape of the map, and which labels are cells of it."""
-    factors = _many(model, "factors")
+    factors = many(model, "factors")
     if factors is None:
         return {}, None, frozenset()
     found_so_far: dict[str, list[np.ndarray]] = {}
@@ -196,11 +196,11 @@ def _columns(given: list[Any], found: Reached, first: int) -> dict[str, list[Any
     return {name: [one[name] for one in given] for name in given[0]}
 
 
-def _many(model: Model | VectorModel, name: str) -> Callable[..., Any] | None:
+def many(model: Any, name: str) -> Callable[..., Any] | None:
     """What a model says of many states at once, by calling it for each if it must be."""
-    many = getattr(model, f"{name}_many", None)
-    if many is not None:
-        return many
+    vectorised = getattr(model, f"{name}_many", None)
+    if vectorised is not None:
+        return vectorised
     one = getattr(model, name, None)
     if one is None:
         return None

@@ -89,8 +89,10 @@ def reach_values(
             number_of(state)
         except TypeError:
             raise ValueError(f"states has {state!r:.80}, which is not hashable") from None
-    while len(leads) < actions * len(states) and limits.goes_on(level):
-        for place in range(len(leads) // actions, len(states)):
+    while (done := len(leads) // actions) < len(states):
+        if not limits.goes_on(level, lambda first=done: states[first:]):
+            break
+        for place in range(done, len(states)):
             state = states[place]
             usable = every if available is None else usable_actions(available, state, actions)
             for action in every:

@@ -1,11 +1,13 @@
 """Shortest plans: what the best an agent can do in a world is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int64
 
 from habilis.mdp import TabularMDP
+from habilis.models.explore import AnyModel, explore_to_end
 from habilis.transitions import Transitions
 from habilis.worlds.world import World
 
@@ -18,12 +20,13 @@ class Plan:
 
     Attributes:
         actions: the action indices, first to last.
-        states: the states passed through, from the first to the terminal one (one more).
+        states: the states passed through, from the first to the terminal one (one more): indices
+            of a table, or a model's own.
         best_return: the sum of the rewards along it, undiscounted.
     """
 
     actions: tuple[int, ...]
-    states: tuple[int, ...]
+    states: tuple[Any, ...]
     best_return: float
 
     @property
@@ -32,14 +35,15 @@ class Plan:
         return len(self.actions)
 
 
-def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
-    """A shortest plan, by breadth-first search over the table.
+def solve(model: AnyModel, start: Any = None) -> Plan | None:
+    """A shortest plan, by breadth-first search.
 
     Of several, the one whose states were met first: lower states and actions win.
 
     Args:
-        mdp: the table.
-        start: the state to begin in; by default the table's own.
+        model: a table; or any other model, which is explored no further than the plan goes.
+        start: the state to begin in, an index or, of a model, a state of its own (of a world a
+            placement); by default the model's initial state.
 
     Returns:
         The plan (at least one step long: what counts is entering a terminal state), or `None`
@@ -47,8 +51,27 @@ def solve(mdp: TabularMDP, start: int | None = None) -> Plan | None:
 
     Raises:
         ValueError: there is no such state.
+
+    Example:
+        >>> class Line:
+        ...     actions = "left", "right"
+        ...     initial = 0
+        ...
+        ...     def step(self, state, action):
+        ...         return state + (-1, 1)[action]
+        ...
+        ...     def terminal(self, state):
+        ...         return state == 3
+        >>> solve(Line())
+        Plan(actions=(1, 1, 1), states=(0, 1, 2, 3), best_return=0.0)
     """
-    start = mdp.start if start is None else start
+    if not isinstance(model, TabularMDP):
+        mdp = explore_to_end(model, None if start is None else [start])
+        plan = solve(mdp)
+        if plan is None or mdp.model_states is None:
+            return plan
+        return replace(plan, states=tuple(map(mdp.state, plan.states)))
+    mdp, start = model, model.start if start is None else start
     if not isinstance(start, int | np.integer) or not 0 <= start < mdp.states:
         raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
     came_from = np.full((mdp.states, 2), -1)

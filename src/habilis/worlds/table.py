@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Int32
 
 from habilis.mdp import TabularMDP
-from habilis.models.explore import explored
+from habilis.models.explore import AnyModel, explore, explored
 from habilis.models.limits import Limits
 from habilis.progress import progress_bar
 from habilis.worlds.grid import Cells, Grid
@@ -85,6 +85,15 @@ def tabulate(
             raise TooManyPlacementsError(f"{error}, {_MORE}") from None
         return reached.slippery(slip)
     return _whole(world, max_states, show_progress).slippery(slip)
+
+
+def whole_table(model: AnyModel, show_progress: bool = False) -> TabularMDP:
+    """A table as it is; of a world or another model the table of all its states."""
+    if isinstance(model, TabularMDP):
+        return model
+    if isinstance(model, World):
+        return tabulate(model, show_progress=show_progress)
+    return explore(model, show_progress=show_progress)
 
 
 @explored.register

@@ -15,13 +15,13 @@ from habilis.empowerment.arguments import Unit, chosen_actions, chosen_states, p
 from habilis.empowerment.combined import combined
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
+from habilis.models.explore import AnyModel
 from habilis.progress import progress_bar
-from habilis.worlds.table import tabulate
-from habilis.worlds.world import World
+from habilis.worlds.table import whole_table
 
 
 def persistence(
-    mdp: TabularMDP | World,
+    model: AnyModel,
     sensor: Sensor = "object",
     actions: ArrayLike | None = None,
     states: ArrayLike | None = None,
@@ -43,7 +43,7 @@ def persistence(
     many observations are there in as many horizons, one after the other, as that divisor says.
 
     Args:
-        mdp: a deterministic table, or a world, which is tabulated.
+        model: a deterministic table; or any other model, which is explored whole.
         sensor: a factor's name, "state", or int[S] labels; or several names, of whose values it is
             the sum or the product, as in `empowerment`.
         actions: the action indices that the agent may use; by default all.
@@ -65,8 +65,7 @@ def persistence(
         array([0., 0., 1., 1., 0.])
     """
     scale = per_bit(unit)
-    if isinstance(mdp, World):
-        mdp = tabulate(mdp, show_progress=show_progress)
+    mdp = whole_table(model, show_progress)
     starts = chosen_states(mdp, states)
     table = _certain_table(mdp, sensor, actions)
     with progress_bar("components", show_progress):
