@@ -10,6 +10,7 @@ BENCHMARKS = (
     "empowerment",
     "scale",
     "worlds",
+    "models",
     "environments",
     "learning",
     "lanes",
