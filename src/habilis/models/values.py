@@ -15,7 +15,7 @@ Step = Callable[[Any, int], Any]
 Available = Callable[[Any], Sequence[int]]
 
 _CLOSE = 1e-9  # to 1, that probabilities sum to
-_REPORTED = 1 << 10  # states from one report of progress to the next
+_REPORTED = 1 << 6  # states from one report of progress to the next
 _OUTCOMES = "the next state, which is hashable, or a list of (probability, state)"
 
 
@@ -66,8 +66,15 @@ def reach_values(
     initial: Sequence[Any],
     limits: Limits,
     report: Callable[[int, int], None],
+    again: bool = True,
 ) -> ReachedValues:
-    """Breadth first, one step after the other; then some steps are made a second time.
+    """Breadth first, one step after the other, those of a state in the order of the actions.
+
+    Args:
+        step, actions, available, initial: of a `Model`.
+        limits: how far to go.
+        report: called with the numbers of states expanded and known so far.
+        again: whether some steps are made a second time in the end.
 
     Raises:
         ValueError: a step is not what a `Model` makes, or there are too many states.
@@ -115,7 +122,8 @@ def reach_values(
             if not place % _REPORTED:
                 report(place, len(states))
         level += 1
-    _check_again(found, step)
+    if again:
+        _check_again(found, step)
     return found
 
 

@@ -25,6 +25,8 @@ from habilis.bridges.gymnasium.snapshots import (
     unwrapped,
 )
 from habilis.mdp import TabularMDP
+from habilis.models.limits import Limits
+from habilis.models.values import reach_values
 from habilis.progress import progress_bar
 
 Mark = tuple[bytes, bool]
@@ -85,6 +87,8 @@ class _Found:
     parent: list[int] = field(default_factory=lambda: [-1])
     action: list[int] = field(default_factory=lambda: [-1])
     steps: list[list[Step]] = field(default_factory=list)
+    drew: list[tuple[int, int]] = field(default_factory=list)  # steps that drew random numbers
+    unmoved: Any = None  # an environment in the state last stepped from, if nothing happened there
 
     def __post_init__(self) -> None:
         first = self.access.first
@@ -101,7 +105,7 @@ class _Found:
             return
         if len(self.marks) >= self.max_states:
             raise ValueError(
-                f"more than {self.max_states:,} states can be reached, {len(self.steps):,} of them "
+                f"more than {self.max_states:,} states can be reached, {state:,} of them "
                 f"expanded; raise max_states{self._growing()}"
             )
         self.place[mark] = len(self.marks)
@@ -109,6 +113,35 @@ class _Found:
         self.snapshots.append(keep())
         self.parent.append(state)
         self.action.append(action)
+
+    def step(self, mark: Mark, action: int) -> Mark:
+        """Makes a step out of a state, whose others are made before and after it.
+
+        Raises:
+            ValueError: it has more than one outcome, or leads to a state too many.
+        """
+        state, access = self.place[mark], self.access
+        if action == 0:
+            self.steps.append([])
+            self.unmoved = None
+        if mark[1]:  # an end is not stepped out of
+            self.steps[state].append(Step(mark, np.float32(0), 0))
+            return mark
+        snapshot = self.snapshots[state]
+        env = access.load(snapshot) if self.unmoved is None else self.unmoved
+        before = [*global_states(), *access.shared(), *access.drawn_before(snapshot)]
+        step, seen = _step(access, env, action, state)
+        self.steps[state].append(step)
+        draws = [*global_states(), *access.shared(), *seen.drawn] != before
+        self.add(step.mark, lambda: Snapshot(access.save(env), seen), state, action)
+        self.unmoved = None
+        if step.mark == mark and not draws:
+            access.rewind(env)  # nothing happened: the next step can be made from here
+            self.unmoved = env
+        if draws:
+            self.drew.append((state, action))
+            _try_others(access, self, (state, action), step, range(_TRIES_AT_ONCE))
+        return step.mark
 
     def _growing(self) -> str:
         """Which attribute grows with every step of a longest one of the shortest paths."""
@@ -153,17 +186,11 @@ def enumerate_states(
     """Breadth first from the first state; see `TabularMDP.from_gymnasium`."""
     began = time.thread_time()  # of the processor: what else runs here leaves replays no less
     found = _Found(access, max_states)
-    drew: list[tuple[int, int]] = []
     with progress_bar("states", show_progress) as report:
-        while (state := len(found.steps)) < len(found.marks):
-            mark, ended = found.marks[state]
-            if ended:  # an end is not stepped out of
-                found.steps.append([Step((mark, True), np.float32(0), 0)] * actions)
-            else:
-                drew += _look_into(access, found, state, actions)
-            report(len(found.steps), len(found.marks))
-    if drew:
-        _try_again(access, found, drew, show_progress)
+        limits = Limits(None, max_states)
+        reach_values(found.step, actions, None, found.marks[:1], limits, report, again=False)
+    if found.drew:
+        _try_again(access, found, found.drew, show_progress)
     seconds = time.thread_time() - began
     table = [[found.place[step.mark] for step in row] for row in found.steps]
     rewards = np.array([[step.reward for step in row] for row in found.steps])
@@ -239,32 +266,6 @@ def _step(access: Access, env: Any, action: int, state: int) -> tuple[Step, Seen
     observation, reward, terminated, _ = made_step(env, action, f"state {state}")
     seen = access.look(env)
     return Step((seen.digest, terminated), reward, observed(observation)), seen
-
-
-def _look_into(access: Access, found: _Found, state: int, actions: int) -> list[tuple[int, int]]:
-    """Makes every step out of a state; returns those that drew random numbers.
-
-    Raises:
-        ValueError: a step has more than one outcome, or leads to a state too many.
-    """
-    snapshot, row, drew = found.snapshots[state], [], []
-    env = None
-    for action in range(actions):
-        env = access.load(snapshot) if env is None else env
-        before = [*global_states(), *access.shared(), *access.drawn_before(snapshot)]
-        step, seen = _step(access, env, action, state)
-        row.append(step)
-        draws = [*global_states(), *access.shared(), *seen.drawn] != before
-        found.add(step.mark, lambda e=env, s=seen: Snapshot(access.save(e), s), state, action)
-        if step.mark == found.marks[state] and not draws:
-            access.rewind(env)  # nothing happened: the next step can be made from here
-        else:
-            env = None
-        if draws:
-            drew.append((state, action))
-            _try_others(access, found, (state, action), step, range(_TRIES_AT_ONCE))
-    found.steps.append(row)
-    return drew
 
 
 def _try_again(
