@@ -4,18 +4,22 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-slow test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings survey \
+.PHONY: test test-slow test-long test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings survey \
 	bench bench-sb3 page studio-picture clean
 
 # The whole product, on all processors, the tests of a file together: four minutes on two cores.
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow and not long"
 
 # What takes longer: packages built and installed, pages, a browser, a cluster, kills, studies.
 test-slow: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist loadfile -m slow
 
-test-all: test test-slow test-integration
+# Further variants of what the slow tests prove, before a release. A quarter of an hour.
+test-long: $(INSTALLED)
+	$(BIN)/python -m pytest -n auto --dist loadfile -m long
+
+test-all: test test-slow test-long test-integration
 
 # The studio alone, its page in Debian's Chromium (apt-get install chromium), and that its build is
 # up to date.

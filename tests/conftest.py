@@ -37,14 +37,19 @@ def _annotations_are_checked(request: pytest.FixtureRequest) -> Iterator[None]:
     jaxtyping.config.update("jaxtyping_disable", False)
 
 
-_SLOW = {*(Path(__file__).parent / "slow.txt").read_text("utf-8").split()}
+_TESTS = Path(__file__).parent
+_SLOW = {*(_TESTS / "slow.txt").read_text("utf-8").split()}
 """Folders, files and tests that `make test` leaves to `make test-slow`."""
+_LONG = {*(_TESTS / "long.txt").read_text("utf-8").splitlines()}
+"""Of these, the tests left to `make test-long`: further variants of what the others prove."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks the slow tests; one list of them is easier to keep than marks all over the files."""
+    """Marks the slow tests; lists of them are easier to keep than marks all over the files."""
     for item in items:
         test = item.nodeid.partition("[")[0]
         file = Path(test.partition("::")[0])
-        if not _SLOW.isdisjoint({test, *map(Path.as_posix, (file, *file.parents))}):
+        if item.nodeid in _LONG:
+            item.add_marker(pytest.mark.long)
+        elif not _SLOW.isdisjoint({test, *map(Path.as_posix, (file, *file.parents))}):
             item.add_marker(pytest.mark.slow)

@@ -126,9 +126,10 @@ def test_the_readmes_tables_are_the_checked_in_results():
                 assert f"{ensemble}, {row['ensemble_outcome']} |" in line
 
 
-def test_every_slow_test_exists():
-    for line in (ROOT / "tests" / "slow.txt").read_text("utf-8").split():
-        path, _, name = line.partition("::")
+@pytest.mark.parametrize("listed", ["slow.txt", "long.txt"])
+def test_every_slow_test_exists(listed):
+    for line in (ROOT / "tests" / listed).read_text("utf-8").splitlines():
+        path, _, name = line.partition("[")[0].partition("::")
         text = (ROOT / path).read_text("utf-8") if (ROOT / path).is_file() else ""
         assert (ROOT / path).exists(), line
         assert not name or f"def {name}" in text, line
