@@ -2,6 +2,7 @@
 
 import random
 from itertools import count
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ class Line:
     actions = "left", "right"
     initial = 0
 
-    def step(self, state, action):
+    def step(self, state, action) -> Any:
         return min(max(state + (-1, 1)[action], 0), 4)
 
 
@@ -68,7 +69,7 @@ class RowsDescribedOneByOne(Rows):
         return Described().factors(*state)
 
     def reward(self, state, action, next_state):
-        return Described().reward(*state, action, *next_state)
+        return Described().reward(state[0], action, next_state[0])
 
     def terminal(self, state):
         return Described().terminal(*state)

@@ -60,7 +60,7 @@ def _all_of_train(lanes: int, device: str) -> Result:
 def _books() -> list[Result]:
     """The bookkeeping in Python and Numba per lane and chunk, on one processor."""
     job, loop = Job.of(0, CONFIG), Loop.of(CONFIG.changed(runs=LANES))
-    _, log = advance(loop.task, loop.settings, loop.lanes, loop.program)
+    _, log = advance(loop.dynamics, loop.settings, loop.lanes, loop.program)
     transition = np.asarray(log.transition)[0].reshape(-1, A2C.envs)
     truncated = np.asarray(log.truncated)[0].reshape(-1, A2C.envs)
     ledger, before = job.records[0].ledger, Averages.of()

@@ -168,19 +168,19 @@ def _factors(
             found_so_far.setdefault(name, []).append(labels)
     whole = {name: np.concatenate(parts) for name, parts in found_so_far.items()}
     cells = {name: labels for name, labels in whole.items() if labels.ndim == _CELL}
-    shape = getattr(model, "shape", None)
-    if shape is None and cells:
-        height, width = (np.concatenate([*cells.values()]).max(axis=0) + 1).tolist()
-        shape = height, width
+    if not cells:
+        return {n: v.astype(np.int32) for n, v in whole.items()}, None, frozenset()
+    height, width = (np.concatenate([*cells.values()]).max(axis=0) + 1).tolist()
+    height, width = shape = getattr(model, "shape", None) or (height, width)
     for name, cell in cells.items():
         outside = ((cell < 0) | (cell >= np.array(shape))).any(axis=1)
         if outside.any():
             first = int(np.flatnonzero(outside)[0])
             raise ValueError(
                 f"factor {name!r} is the cell {tuple(cell[first].tolist())} in state "
-                f"{found.state(first)!r:.80}, which is outside the {shape[0]} x {shape[1]} cells"
+                f"{found.state(first)!r:.80}, which is outside the {height} x {width} cells"
             )
-        whole[name] = cell[:, 0] * shape[1] + cell[:, 1]
+        whole[name] = cell[:, 0] * width + cell[:, 1]
     return {n: v.astype(np.int32) for n, v in whole.items()}, shape, frozenset(cells)
 
 

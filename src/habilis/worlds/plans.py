@@ -74,6 +74,7 @@ def solve(model: AnyModel, start: Any = None) -> Plan | None:
     mdp, start = model, model.start if start is None else start
     if not isinstance(start, int | np.integer) or not 0 <= start < mdp.states:
         raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
+    start = int(start)
     came_from = np.full((mdp.states, 2), -1)
     seen = np.zeros(mdp.states, bool)
     frontier = np.array([start])
