@@ -1,15 +1,15 @@
 """A disk cache of results, keyed by their inputs."""
 
 import hashlib
-import io
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from habilis.checksums import Arrays, read_arrays, write_arrays
 from habilis.files import write_whole
 
 _DIGEST = hashlib.sha256
@@ -47,9 +47,6 @@ def fingerprint(*parts: Any) -> str:
     return digest.hexdigest()
 
 
-Arrays = Mapping[str, np.ndarray]
-
-
 def kept(
     name: str,
     compute: Callable[[], Arrays],
@@ -71,28 +68,11 @@ def kept(
         return compute()
     path = folder / f"{name}.npz"
     with suppress(OSError, ValueError, EOFError):
-        found = _read(path)
+        found = read_arrays(path)
         if accept(found):
             return found
     arrays = compute()
     with suppress(OSError):  # a full disk is no reason to have no values
-        _write(arrays, path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, lambda file: write_arrays(file, arrays))
     return arrays
-
-
-def _write(arrays: Arrays, path: Path) -> None:
-    content = io.BytesIO()
-    np.savez(content, allow_pickle=False, **arrays)
-    content.write(_DIGEST(content.getbuffer()).digest())
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, lambda file: file.write(content.getbuffer()))
-
-
-def _read(path: Path) -> Arrays:
-    """Raises: ValueError: the bytes are not those that were written."""
-    content = path.read_bytes()
-    size = _DIGEST().digest_size
-    if _DIGEST(memoryview(content)[:-size]).digest() != content[-size:]:
-        raise ValueError("its checksum does not match")
-    with np.load(io.BytesIO(content), allow_pickle=False) as saved:
-        return {name: saved[name] for name in saved.files}

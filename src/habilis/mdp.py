@@ -3,6 +3,7 @@
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -64,8 +65,8 @@ class ModelStates(Protocol):
 class TabularMDP:
     """A finite MDP; state and action are indices.
 
-    Made by `deterministic`, `stochastic`, `from_gymnasium`, of a model by `explore` or, of a world,
-    by `tabulate`.
+    Made by `deterministic`, `stochastic`, `from_gymnasium`, of a model by `explore`, of a world by
+    `tabulate`, or read by `load`.
 
     Attributes:
         transitions: where actions lead. Deterministic: int32[S, A], the next state. Stochastic:
@@ -256,6 +257,54 @@ class TabularMDP:
         from habilis.bridges.gymnasium import table_of
 
         return table_of(env, max_states, seed, key, ignore, state, factors, show_progress)
+
+    def save(self, path: str | Path) -> None:
+        """Writes the table to a file, which `TabularMDP.load` reads.
+
+        All of it but the environment or model that it was made of (`origin`, `model_states`). The
+        file holds arrays of NumPy without pickles; it is written whole or not at all.
+
+        Args:
+            path: ends with .npz. A file of that name is replaced.
+
+        Raises:
+            ValueError: another suffix, or the file cannot be written.
+
+        Example:
+            >>> from tempfile import mkdtemp
+            >>> path = Path(mkdtemp()) / "two.npz"
+            >>> TabularMDP.deterministic([[0, 1], [1, 0]]).save(path)
+            >>> TabularMDP.load(path).next_state.tolist()
+            [[0, 1], [1, 0]]
+        """
+        from habilis.bridges.table_files import save
+
+        save(self, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> "TabularMDP":
+        """The table in a file that `save` wrote.
+
+        Args:
+            path: of the file.
+
+        Returns:
+            A table equal to the one saved, with its transitions, available actions, rewards,
+            terminal states, factors, flags, start, cells and names of actions.
+
+        Raises:
+            ValueError: the file cannot be read, is damaged, or is something else.
+
+        Example:
+            >>> from tempfile import mkdtemp
+            >>> path = Path(mkdtemp()) / "slippery.npz"
+            >>> TabularMDP.deterministic([[0, 1], [1, 0]]).slippery(0.2).save(path)
+            >>> TabularMDP.load(path).is_stochastic
+            True
+        """
+        from habilis.bridges.table_files import load
+
+        return load(path)
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickles: the environment that a table was made of stays behind."""

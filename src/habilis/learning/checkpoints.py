@@ -1,24 +1,21 @@
 """Checkpoints: all that a run needs to go on, in one file that is whole or not there.
 
-A checkpoint is an .npz with the SHA-256 of its bytes behind it, for the checksums of the format do
-not cover all of a file. NumPy reads it as it is.
+A checkpoint is an .npz with a checksum of all its bytes (`habilis.checksums`).
 """
 
-import hashlib
-import io
 import zipfile
 from pathlib import Path
 
 import jax
 import numpy as np
 
+from habilis.checksums import read_arrays, write_arrays
 from habilis.files import remove_partial, write_whole
 from habilis.learning.jobs import Job
 
 KEPT = 2
 _PREFIX, _SUFFIX = "checkpoint-", ".npz"
 _ASIDE = "damaged-"
-_DIGEST = hashlib.sha256
 _RENAMED = {
     "/lane.learner": "/lane.train_state",
     "/lane.place": "/lane.env_state",
@@ -41,10 +38,7 @@ def save(job: Job, folder: Path) -> Path:
     earlier = checkpoints(folder)
     number = 1 + (int(earlier[0].stem.removeprefix(_PREFIX)) if earlier else 0)
     path = folder / f"{_PREFIX}{number:08}{_SUFFIX}"
-    content = io.BytesIO()
-    np.savez(content, allow_pickle=False, **_arrays(job))
-    content.write(_DIGEST(content.getbuffer()).digest())
-    write_whole(path, lambda file: file.write(content.getbuffer()))
+    write_whole(path, lambda file: write_arrays(file, _arrays(job)))
     for old in checkpoints(folder)[KEPT:]:
         old.unlink()
     return path
@@ -97,12 +91,7 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     Raises:
         ValueError: its bytes are not those that were written.
     """
-    size = _DIGEST().digest_size
-    content = path.read_bytes()
-    if _DIGEST(memoryview(content)[:-size]).digest() != content[-size:]:
-        raise ValueError("its checksum does not match")
-    with np.load(io.BytesIO(content)) as saved:
-        return {_name(name): saved[name] for name in saved.files}
+    return {_name(name): array for name, array in read_arrays(path).items()}
 
 
 def _name(saved: str) -> str:
