@@ -7,6 +7,7 @@ from habilis.analysis import landscape as landscape
 from habilis.analysis import pairs as pairs
 from habilis.analysis import save_table as save_table
 from habilis.analysis import to_dataframe as to_dataframe
+from habilis.bridges import load_pushworld as load_pushworld
 from habilis.channels import Capacity as Capacity
 from habilis.channels import ConvergenceWarning as ConvergenceWarning
 from habilis.channels import capacity as capacity
@@ -39,6 +40,7 @@ from habilis.worlds import world_names as world_names
 from habilis.worlds.pictures import save_video as save_video
 
 from . import analysis as analysis
+from . import bridges as bridges
 from . import channels as channels
 from . import envs as envs
 from . import learning as learning

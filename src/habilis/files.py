@@ -49,6 +49,32 @@ def shown(name: object) -> str:
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
+def text_of(path: str | Path, what: str) -> str:
+    """The text of a file.
+
+    Args:
+        path: of the file.
+        what: what is in it, for messages: "a PushWorld puzzle".
+
+    Raises:
+        ValueError: it cannot be read, or is no text.
+    """
+    if not isinstance(path, str | Path):
+        raise ValueError(f"path is {shown(repr(path))}; give the path of a file with {what}")
+    try:
+        if Path(path).exists() and not Path(path).is_file():
+            raise IsADirectoryError(0, "it is not a file")
+        return Path(path).read_text("utf-8")
+    except UnicodeDecodeError:
+        raise ValueError(f"{shown(path)}: not a text file; give one with {what}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        named = shown(path) if str(path) else "''"
+        raise ValueError(
+            f"{named}: cannot be read ({reason}); give the path of a file with {what}"
+        ) from None
+
+
 def write_whole(path: str | Path, write: Callable[[BytesIO], object]) -> None:
     """Writes a file whole or not at all: in memory, beside its place, onto the disk, then renamed.
 

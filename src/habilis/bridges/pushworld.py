@@ -1,0 +1,309 @@
+"""Puzzles of rigid bodies that an agent pushes, as models; PushWorld's files."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int, Int64
+
+from habilis.bridges.bodies import ACTIONS, Body, Collisions
+from habilis.bridges.pushworld_text import parsed
+from habilis.files import shown, text_of
+from habilis.worlds.grid import Cell
+
+State = tuple[int, ...]
+"""The cells of the corners of all bodies, `row * columns + column`, the agent's first."""
+
+AGENT, OBJECT = "agent", "object:"
+"""The factor of the agent, and the beginning of those of the movables."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A place for a body.
+
+    Attributes:
+        corner: where the upper left corner of its bounding box has to be.
+        bodies: the names of those that fill it, each alone.
+    """
+
+    corner: Cell
+    bodies: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PushWorld:
+    r"""A puzzle of rigid bodies that an agent pushes, as a `VectorModel`.
+
+    The agent moves by a cell. Every body that it would overlap then, or that a pushed one would, is
+    pushed the same way; where a pushed body would come onto a wall, or the agent onto a wall or a
+    wall of its own, nothing moves. It is PushWorld (Kansky et al. 2023); Sokoban is the same with
+    bodies of one cell, of which one at a time is pushed.
+
+    A state is a tuple of int: the cell of each body, the agent's first, then the movables' in the
+    order of `objects`. A body's cell is the upper left corner of its bounding box, as
+    `row * columns + column`. Factors are these cells, "agent", "object:m0", "object:m1", ... The
+    reward is 0 for a transition into a solved state, and -1 otherwise; solved states are terminal.
+
+    Attributes:
+        name: what messages and pictures call it.
+        shape: rows and columns of the map; around it are walls.
+        walls: cells that stop everything.
+        agent_walls: cells that stop the agent alone.
+        bodies: the agent, then the movables, where they start.
+        goals: the places to be filled. Without any, no state is solved.
+        most_pushed: how many movables can be pushed at once; `None` for any number.
+
+    Example:
+        >>> puzzle = PushWorld.parse("A M0 . G0")
+        >>> puzzle.initial, puzzle.step(puzzle.initial, 1)
+        ((0, 1), (1, 2))
+        >>> puzzle.solved((2, 3))
+        True
+    """
+
+    name: str
+    shape: tuple[int, int]
+    walls: frozenset[Cell]
+    agent_walls: frozenset[Cell]
+    bodies: tuple[Body, ...]
+    goals: tuple[Goal, ...]
+    most_pushed: int | None = None
+
+    actions = ACTIONS
+
+    @classmethod
+    def parse(cls, text: str, name: str = "puzzle") -> "PushWorld":
+        """Reads the text of a PushWorld file.
+
+        Args:
+            text: a row a line, its cells separated by white space. A cell is `.` or elements
+                joined by `+`, in capitals or not: `W` a wall, `AW` one for the agent alone, `A`
+                the agent, `M0`, `M1`, ... movables, `G0`, `G1`, ... their goals.
+            name: errors begin with it.
+
+        Returns:
+            The puzzle.
+
+        Raises:
+            ValueError: rows are not equally long, there is no agent, a goal has no movable or
+                another shape, bodies overlap, or an element is unknown. The message names line and
+                column, counted from 1, and the fix.
+        """
+        shape, walls, agent_walls, covered, goals = parsed(text, name)
+        bodies = tuple(Body.covering(*one) for one in covered.items())
+        places = tuple(Goal(Body.covering(*one).corner, (one[0],)) for one in goals.items())
+        return cls(name, shape, walls, agent_walls, bodies, places)
+
+    @property
+    def initial(self) -> State:
+        """The state in which episodes begin."""
+        return tuple(self._label(body.corner) for body in self.bodies)
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """The names of the movables, without "object:"."""
+        return tuple(body.name for body in self.bodies[1:])
+
+    def step(self, state: State, action: int) -> State:
+        """The next state.
+
+        Args:
+            state: any.
+            action: an index into `actions`.
+
+        Returns:
+            The state after it.
+
+        Raises:
+            ValueError: there is no such state or action.
+        """
+        after = self.step_many(np.array([self._checked(state)]), np.array([action]))
+        return tuple(after[0].tolist())
+
+    def step_many(
+        self, states: Int[np.ndarray, "n k"], actions: Int[np.ndarray, "n"]
+    ) -> Int64[np.ndarray, "n k"]:
+        """The next states of many, as in `VectorModel`.
+
+        Args:
+            states: int[n, k], one state a row.
+            actions: int[n], the index of the action that is taken in each.
+
+        Returns:
+            int64[n, k].
+
+        Raises:
+            ValueError: there is no such state or action.
+        """
+        from habilis.bridges.pushing import pushed  # Numba takes long to import
+
+        states, actions = np.asarray(states, np.int64), np.asarray(actions, np.int64)
+        cells = self.shape[0] * self.shape[1]
+        if states.ndim != 2 or states.shape[1] != len(self.bodies):
+            raise ValueError(
+                f"{self.name}: states have shape {states.shape}; give [n, {len(self.bodies)}], a "
+                "cell for each body"
+            )
+        for what, values, count in (("cell", states, cells), ("action", actions, len(ACTIONS))):
+            if values.size and not 0 <= values.min() <= values.max() < count:
+                wrong = values[(values < 0) | (values >= count)][0]
+                raise ValueError(
+                    f"{self.name}: there is no {what} {wrong}; give one from 0 to {count - 1}"
+                )
+        most = len(self.bodies) if self.most_pushed is None else self.most_pushed
+        return pushed(self._collisions, most, np.ascontiguousarray(states), actions)
+
+    def solved(self, state: State) -> bool:
+        """Whether every goal is filled in a state.
+
+        Raises:
+            ValueError: there is no such state.
+        """
+        return bool(self.terminal_many(np.array([self._checked(state)]))[0])
+
+    def terminal_many(self, states: Int[np.ndarray, "n k"]) -> Bool[np.ndarray, "n"]:
+        """Which of some states are solved, and end an episode."""
+        solved = np.full(len(states), bool(self.goals))
+        places = {body.name: place for place, body in enumerate(self.bodies)}
+        for goal in self.goals:
+            able = [places[name] for name in goal.bodies]
+            solved &= (states[:, able] == self._label(goal.corner)).any(axis=1)
+        return solved
+
+    def reward_many(
+        self,
+        states: Int[np.ndarray, "n k"],
+        actions: Int[np.ndarray, "n"],
+        next_states: Int[np.ndarray, "n k"],
+    ) -> Float64[np.ndarray, "n"]:
+        """The rewards of transitions: 0 into a solved state, -1 otherwise."""
+        return np.where(self.terminal_many(next_states), 0.0, -1.0)
+
+    def factors_many(self, states: Int[np.ndarray, "n k"]) -> dict[str, Int64[np.ndarray, "n 2"]]:
+        """The cells (row, column) of all bodies in some states, by their factors."""
+        cells = np.stack(np.divmod(states, self.shape[1]), axis=-1)
+        names = [AGENT, *(f"{OBJECT}{name}" for name in self.objects)]
+        return {name: cells[:, place] for place, name in enumerate(names)}
+
+    def at(self, state: State) -> "PushWorld":
+        """The puzzle that starts in another state.
+
+        Raises:
+            ValueError: there is no such state.
+        """
+        corners = [divmod(int(label), self.shape[1]) for label in self._checked(state)]
+        pairs = zip(self.bodies, corners, strict=True)
+        return replace(self, bodies=tuple(replace(body, corner=corner) for body, corner in pairs))
+
+    def without(self, name: str, state: State | None = None) -> "PushWorld":
+        """The puzzle with a movable removed, and with it any goal that only this one fills.
+
+        Args:
+            name: the movable's, as in `objects` or with "object:" before it.
+            state: where all bodies are; by default where they start.
+
+        Returns:
+            Another puzzle, whose states lack the movable's cell.
+
+        Raises:
+            ValueError: there is no such movable or state.
+        """
+        place = self.place(name)
+        there = self if state is None else self.at(state)
+        gone = self.bodies[place].name
+        left = (replace(g, bodies=tuple(b for b in g.bodies if b != gone)) for g in self.goals)
+        return replace(
+            there,
+            bodies=there.bodies[:place] + there.bodies[place + 1 :],
+            goals=tuple(goal for goal in left if goal.bodies),
+        )
+
+    def fixed(self, name: str, state: State | None = None) -> "PushWorld":
+        """The puzzle with a movable turned into walls where it is.
+
+        Args:
+            name, state: as in `without`.
+
+        Returns:
+            Another puzzle, whose states lack the movable's cell.
+
+        Raises:
+            ValueError: there is no such movable or state.
+        """
+        there = self if state is None else self.at(state)
+        walls = there.walls | {*there.bodies[self.place(name)].covered()}
+        return replace(there.without(name), walls=walls)
+
+    def place(self, name: str) -> int:
+        """The place of a movable's cell in a state.
+
+        Args:
+            name: as in `objects`, or with "object:" before it.
+
+        Raises:
+            ValueError: there is no such movable.
+        """
+        bare = name.removeprefix(OBJECT)
+        if bare not in self.objects:
+            known = ", ".join(self.objects) or "none"
+            raise ValueError(f"{self.name}: there is no movable {name!r}; the movables are {known}")
+        return 1 + self.objects.index(bare)
+
+    def _label(self, corner: Cell) -> int:
+        return corner[0] * self.shape[1] + corner[1]
+
+    def _checked(self, state: Sequence[int]) -> Sequence[int]:
+        """A state in which every body is on the map.
+
+        Raises:
+            ValueError: it is none.
+        """
+        rows, columns = self.shape
+        if len(state) != len(self.bodies):
+            raise ValueError(
+                f"{self.name}: the state {state!r:.80} has {len(state)} cells; give one for each "
+                f"of the {len(self.bodies)} bodies"
+            )
+        for body, label, (down, right) in zip(self.bodies, state, self._room, strict=True):
+            row, column = divmod(label, columns)
+            if not (0 <= row < down and 0 <= column < right):
+                raise ValueError(
+                    f"{self.name}: in the state {state!r:.80} the {body.name} is not on the map of "
+                    f"{rows} x {columns} cells; give cells at which it is"
+                )
+        return state
+
+    @cached_property
+    def _room(self) -> list[tuple[int, int]]:
+        """How many rows and columns the corner of each body can be in."""
+        extents = (np.max(body.cells, axis=0).tolist() for body in self.bodies)
+        return [(self.shape[0] - down, self.shape[1] - right) for down, right in extents]
+
+    @cached_property
+    def _collisions(self) -> Collisions:
+        of_agent = self.walls | self.agent_walls
+        walls = [of_agent, *[self.walls] * len(self.objects)]
+        return Collisions.of(self.shape, self.bodies, walls)
+
+
+def load_pushworld(path: str | Path) -> PushWorld:
+    """A puzzle from a PushWorld file (.pwp).
+
+    Args:
+        path: of the file; see `PushWorld.parse` for what is in it.
+
+    Returns:
+        The puzzle, a model: `explore`, `empowerment` and their like take it.
+
+    Raises:
+        ValueError: the file cannot be read, or is none; the message names line and column.
+
+    Example:
+        >>> puzzle = load_pushworld("Pick A Tool.pwp")  # doctest: +SKIP
+        >>> puzzle.actions  # doctest: +SKIP
+        ('left', 'right', 'up', 'down')
+    """
+    return PushWorld.parse(text_of(path, "a PushWorld puzzle"), shown(Path(path).name))
