@@ -6,6 +6,7 @@ from habilis.analysis.futures import Futures, futures, futures_figure
 from habilis.analysis.influence import influence_range, latency, reliability
 from habilis.analysis.landscape import Landscape, draw_landscapes, landscape
 from habilis.analysis.pairs import Pairs, pairs
+from habilis.analysis.tool_ranking import tool_ranking
 from habilis.analysis.usefulness import Usefulness, usefulness
 
 __all__ = [
@@ -26,5 +27,6 @@ __all__ = [
     "reliability",
     "save_table",
     "to_dataframe",
+    "tool_ranking",
     "usefulness",
 ]

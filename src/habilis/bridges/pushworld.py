@@ -196,7 +196,19 @@ class PushWorld:
         """
         corners = [divmod(int(label), self.shape[1]) for label in self._checked(state)]
         pairs = zip(self.bodies, corners, strict=True)
-        return replace(self, bodies=tuple(replace(body, corner=corner) for body, corner in pairs))
+        bodies = tuple(replace(body, corner=corner) for body, corner in pairs)
+        taken = dict.fromkeys(self.walls, "a wall")
+        for body in bodies:
+            for cell in body.covered():
+                own = body is bodies[0] and cell in self.agent_walls
+                if own or cell in taken:
+                    other = taken.get(cell, "a wall of its own")
+                    raise ValueError(
+                        f"{self.name}: in the state {state!r:.80} the {body.name} and {other} are "
+                        f"both at {cell}; give cells at which nothing overlaps"
+                    )
+                taken[cell] = f"the {body.name}"
+        return replace(self, bodies=bodies)
 
     def without(self, name: str, state: State | None = None) -> "PushWorld":
         """The puzzle with a movable removed, and with it any goal that only this one fills.
