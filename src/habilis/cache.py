@@ -5,12 +5,15 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from habilis.checksums import Arrays, read_arrays, write_arrays
 from habilis.files import write_whole
+
+if TYPE_CHECKING:
+    from habilis.mdp import TabularMDP
 
 _DIGEST = hashlib.sha256
 
@@ -45,6 +48,14 @@ def fingerprint(*parts: Any) -> str:
         else:
             digest.update(f"{type(part).__name__} {part!r};".encode())
     return digest.hexdigest()
+
+
+def table_digest(mdp: "TabularMDP") -> str:
+    """A fingerprint of all in a table that training depends on, in 32 hexadecimal digits."""
+    parts: list[Any] = [mdp.transitions, mdp.reward, mdp.terminal, mdp.start, mdp.entry_reward]
+    for named in (mdp.factors, mdp.flags):
+        parts += [part for name, labels in sorted(named.items()) for part in (name, labels)]
+    return fingerprint(*parts)[:32]
 
 
 def kept(

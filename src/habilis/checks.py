@@ -41,12 +41,18 @@ def as_in(kind: Any, name: str) -> Any:
     return field(default=same.default, metadata=same.metadata)
 
 
-def check_types(settings: Any) -> None:
+def check_types(settings: Any, besides: Sequence[str] = ()) -> None:
     """Refuses values that are not of their field's type, or no finite numbers.
 
     Numbers of NumPy become Python's, which JSON can hold.
+
+    Args:
+        settings: a dataclass.
+        besides: fields that may have any type.
     """
     for f in fields(settings):
+        if f.name in besides:
+            continue
         value, wanted = getattr(settings, f.name), type(f.default)
         if wanted in (int, float) and isinstance(value, np.integer | np.floating):
             value = int(value) if isinstance(value, np.integer) else float(value)

@@ -36,6 +36,7 @@ def run(args: Args) -> int:
     from habilis.worlds.pictures.figures import colored_text
     from habilis.worlds.pictures.video import check_video, save_gif, save_mp4
     from habilis.worlds.table import placement
+    from habilis.worlds.world import World
 
     if args.mp4:
         check_video()
@@ -46,8 +47,16 @@ def run(args: Args) -> int:
     episode = replay.play(run, args.run, seed=args.seed)
     mdp = replay.table_of(run)
     stochastic = mdp.is_stochastic
-    shares = replay.success(run, args.run) if run.config.starts or stochastic else None
-    frames = [placement(run.world, mdp, state) for state in episode.states]
+    drawn = isinstance(run.world, World)
+    asked = drawn and (run.config.starts or stochastic)
+    shares = replay.success(run, args.run) if asked else None
+    expected = None if drawn else replay.expected_return(run, args.run)
+    if (args.gif or args.mp4) and not drawn:
+        raise ValueError(
+            f"{args.folder}: was trained on a table, which has no pictures; leave out "
+            f"{'--gif' if args.gif else '--mp4'}"
+        )
+    frames = [placement(run.map, mdp, state) for state in episode.states] if drawn else []
     videos = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
     for path, write in videos:
         with progress_bar("drawing", shows_progress(args)):
@@ -59,19 +68,27 @@ def run(args: Args) -> int:
             | {"finished": episode.finished, "actions": list(episode.actions)}
             | {"run": args.run, "episodes": trained, "ended": ended}
             | ({} if shares is None else {"success": shares._asdict()})
+            | ({} if expected is None else {"expected": expected, "best": run.best_return})
         )
         return 0 if episode.finished else 1
     screen = console()
-    if screen.is_terminal:
+    if not frames:
+        print(f"states {', '.join(map(str, episode.states))}")
+    elif screen.is_terminal:
         _animate(screen, [colored_text(frame) for frame in frames], 1 / args.speed)
     else:
         screen.print(colored_text(frames[-1]))
-    print(", ".join(mdp.actions[action] for action in episode.actions))
+    names = mdp.actions or tuple(map(str, range(mdp.action_count)))
+    print(", ".join(names[action] for action in episode.actions))
     failed = "the goal is not reached" if stochastic else "the policy goes round in circles"
     end = "the goal is reached" if episode.finished else failed
+    if not drawn:
+        end = "the episode ends" if episode.finished else "the episode is truncated"
     print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
     so_far = "" if ended else ", as the last checkpoint has it: training has not ended"
     print(f"run {args.run} after {trained:,} episodes{so_far}")
+    if expected is not None:
+        print(f"the policy expects a return of {expected:.3f}, the best one {run.best_return:.3f}")
     if shares is not None:
         unseen = "" if shares.unseen is None else f", {shares.unseen:.0%} of those held out"
         several = bool(run.config.starts)

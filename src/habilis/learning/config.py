@@ -3,9 +3,11 @@
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from habilis.cache import table_digest
 from habilis.checks import as_in, at_least, check_types, one_of, setting, share
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.algorithms.protocol import Algorithm
+from habilis.mdp import TabularMDP
 from habilis.rewards.shaping import Bonus
 
 DEFAULT = "a2c"
@@ -13,6 +15,8 @@ DEFAULT = "a2c"
 NO_INTRINSIC = "none"
 COUNT, DISTILLATION = "count", "rnd"
 NOVELTIES = (COUNT, DISTILLATION)
+BY_DIGEST = "table:"
+"""The beginning of the world of a run that was trained on a table; its digest follows."""
 ONE_HOT, COORDINATES = "one-hot", "coordinates"
 OBSERVATIONS = (ONE_HOT, COORDINATES)
 
@@ -37,7 +41,14 @@ class Config:
         4
     """
 
-    world: str = setting("corridor", "a built-in world's name or the path of a map")
+    world: str | TabularMDP = field(
+        default="corridor",
+        metadata={
+            "help": 'a built-in world\'s name; the path of a map, a saved table (".npz") or a '
+            'puzzle (".pwp"); "gym:ID"; or a table itself',
+            "static": False,
+        },
+    )
     tool: str | None = setting(
         None,
         'replaces the map\'s own tools: "picker", "broom", "rake", "stick", "magnet", '
@@ -86,7 +97,7 @@ class Config:
     starts_seed: int = setting(0, "random seed of these placements")
 
     def __post_init__(self) -> None:
-        check_types(self)
+        check_types(self, besides=["world"] if isinstance(self.world, TabularMDP) else [])
         algorithm = ALGORITHMS.name_of(self.algorithm)
         if self.tool is not None and not isinstance(self.tool, str):
             raise ValueError(f"tool is {self.tool!r}; give its name")
@@ -141,8 +152,10 @@ class Config:
         return self.intrinsic != NO_INTRINSIC
 
     def as_dict(self) -> dict[str, Any]:
-        """All fields as plain values, those of the algorithm among them."""
+        """All fields as plain values, those of the algorithm among them; a table by its digest."""
         own = {f.name: getattr(self, f.name) for f in fields(self)}
+        if isinstance(self.world, TabularMDP):
+            own["world"] = BY_DIGEST + table_digest(self.world)
         learner = {f.name: getattr(self.algorithm, f.name) for f in fields(self.algorithm)}
         return own | {"algorithm": ALGORITHMS.name_of(self.algorithm)} | learner
 
@@ -198,7 +211,7 @@ class Config:
         Raises:
             ValueError: as in `from_dict`.
         """
-        kept = self.as_dict()
+        kept = self.as_dict() | {"world": self.world}
         if values.get("algorithm", kept["algorithm"]) != kept["algorithm"]:
             kept = {f.name: kept[f.name] for f in fields(self)}
         return type(self).from_dict(kept | values)

@@ -78,12 +78,15 @@ class Averages:
         """Before the first episode."""
         return cls(0, np.zeros(windows[0]), np.zeros(windows[1]))
 
-    def after(self, returns: ArrayLike, best_return: float) -> tuple["Averages", int | None]:
+    def after(
+        self, returns: ArrayLike, best_return: float, margin: float = MARGIN
+    ) -> tuple["Averages", int | None]:
         """Goes on with more episodes. It may run in several threads at once.
 
         Args:
             returns: of the episodes that followed, undiscounted and extrinsic.
             best_return: of a shortest plan.
+            margin: how far below it is close enough.
 
         Returns:
             The averages after all of them, and the number of episodes run, earlier ones included,
@@ -91,7 +94,7 @@ class Averages:
         """
         values = np.ascontiguousarray(returns, np.float64)
         sums, smooth_sums = self.sums.copy(), self.smooth_sums.copy()
-        at = _follow(values, self.episodes, sums, smooth_sums, best_return - MARGIN)
+        at = _follow(values, self.episodes, sums, smooth_sums, best_return - margin)
         return Averages(self.episodes + len(values), sums, smooth_sums), at or None
 
 

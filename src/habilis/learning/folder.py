@@ -2,6 +2,7 @@
 
 config.json         the configuration
 world.txt           the map, with the tool that was used (of one's own: where its file is)
+table.npz           or the table, of a run that was trained on one
 checkpoint-*.npz    what to go on from, while it trains
 lock                held by the process that trains
 tensorboard/run-K   event files of run K
@@ -28,8 +29,12 @@ from habilis.learning import checkpoints
 from habilis.learning.config import NO_INTRINSIC, Config, without_ignored
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.runs import Run
+from habilis.learning.sources import NamedTable, Source
+from habilis.mdp import TabularMDP
 from habilis.worlds.own_tools import OwnToolError
 from habilis.worlds.world import World
+
+TABLE = "table.npz"
 
 
 def save_run(run: Run, folder: str | Path) -> None:
@@ -60,7 +65,7 @@ def begin(job: Job, folder: Path) -> None:
 
 def has_begun(folder: Path) -> bool:
     """Whether what a run starts from is in a folder."""
-    return (folder / "world.txt").exists()
+    return (folder / "world.txt").exists() or (folder / TABLE).exists()
 
 
 def finish(run: Run, folder: Path) -> None:
@@ -90,7 +95,11 @@ def is_finished(folder: Path) -> bool:
     return (folder / "summary.json").exists()
 
 
-def _write_inputs(config: Config, world: World, folder: Path) -> None:
+def _write_inputs(config: Config, world: Source, folder: Path) -> None:
+    if isinstance(world, NamedTable):
+        named = {"name": world.name, "tool": "none", "digest": world.digest}
+        _write_json(folder / "config.json", config.as_dict() | {"map": named})
+        return world.mdp.save(folder / TABLE)
     digest = digest_of_own_tool(world)
     world = world.located()
     named = {"name": world.name, "tool": world.tool}
@@ -113,13 +122,16 @@ def read_config(folder: Path) -> Config:
     return _read(folder / "config.json", lambda path: _config(path)[0])
 
 
-def read_world(folder: Path) -> World:
-    """The world of a run, with the tool that was used.
+def read_world(folder: Path) -> Source:
+    """The world of a run, with the tool that was used; or its table.
 
     Raises:
         ValueError: it is missing or damaged, or a tool of one's own is not what it was.
     """
     named = _read(folder / "config.json", lambda path: _config(path)[1])
+    if "digest" in named:
+        table = _read(folder / TABLE, lambda path: TabularMDP.load(path))
+        return NamedTable(named["name"], named["digest"], table)
     world = _read(
         folder / "world.txt",
         lambda path: World.parse(path.read_text(), named["name"]),
@@ -137,7 +149,7 @@ def read_summary(folder: Path, config: Config) -> dict[str, Any]:
     return _read(folder / "summary.json", lambda path: _summary(path, config))
 
 
-def check_same_table(world: World, digest: str | None, folder: Path) -> None:
+def check_same_table(world: Source, digest: str | None, folder: Path) -> None:
     """Refuses tools of one's own that have changed.
 
     Args:
@@ -148,7 +160,7 @@ def check_same_table(world: World, digest: str | None, folder: Path) -> None:
     Raises:
         ValueError: it does something else by now.
     """
-    if digest is not None and digest_of_own_tool(world) != digest:
+    if isinstance(world, World) and digest is not None and digest_of_own_tool(world) != digest:
         raise ValueError(
             f"{folder}: was started with another rule of the tool "
             f"{' or '.join(map(repr, world.own_tools))}; restore the tool's file, or train into a "
@@ -264,7 +276,7 @@ def _episodes(path: Path) -> pl.DataFrame:
     return episodes
 
 
-def _parameters(path: Path, config: Config, world: World) -> Any:
+def _parameters(path: Path, config: Config, world: Source) -> Any:
     model = Job.of(0, replace(config, intrinsic=NO_INTRINSIC, horizon=0, beta=0.0), world).start(0)
     like, structure = jax.tree_util.tree_flatten_with_path(model.train_state.parameters)
     with path.open("rb") as file, np.load(file) as saved:

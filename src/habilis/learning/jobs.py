@@ -16,10 +16,17 @@ from habilis.learning.dynamics import Dynamics, make_dynamics, roomy
 from habilis.learning.episodes import Ledger
 from habilis.learning.lanes import Lane, Program, Settings, settings_of, start_lanes
 from habilis.learning.runs import Record, Run, episode_table
+from habilis.learning.sources import Source, source_of
 from habilis.learning.stacks import InStack
-from habilis.learning.training_problem import KEPT, Conditions, best_return, training_problem
+from habilis.learning.training_problem import (
+    KEPT,
+    Conditions,
+    best_return,
+    margin,
+    training_problem,
+)
 from habilis.mdp import TabularMDP
-from habilis.worlds.world import World, load_world
+from habilis.worlds.world import World
 
 STRETCH = 20_000
 """Environment steps of one run between two looks at it from Python."""
@@ -32,7 +39,7 @@ class Job:
     Attributes:
         index: its place among those trained together.
         config: the configuration.
-        world: its world.
+        world: its world, or table.
         mdp: its table.
         best_return: of a shortest plan; in a stochastic world, what the best policy expects.
         table: float64[S], the intrinsic value of every state, where it is a table.
@@ -45,7 +52,7 @@ class Job:
 
     index: int
     config: Config
-    world: World
+    world: Source
     mdp: TabularMDP
     best_return: float
     table: Float[np.ndarray, "S"]
@@ -58,7 +65,7 @@ class Job:
         cls,
         index: int,
         config: Config,
-        world: World | None = None,
+        world: Source | None = None,
         numbers: Sequence[int] | None = None,
     ) -> "Job":
         """A configuration, ready to be trained.
@@ -72,14 +79,15 @@ class Job:
         Raises:
             ValueError: a world, tool or sensor does not exist, or the goal is unreachable.
         """
-        world = load_world(config.world, config.tool) if world is None else world
+        world = source_of(config) if world is None else world
         conditions = Conditions.of(config)
         mdp = training_problem(world, conditions).mdp
         intrinsic.check_sensors(mdp, config.intrinsic)
         ledger = _ledger(world, conditions)
         numbers = tuple(range(config.runs) if numbers is None else numbers)
         best = best_return(world, conditions, config.episode_limit)
-        records = [Record(config, best, ledger) for _ in numbers]
+        close = margin(world, conditions, config.episode_limit)
+        records = [Record(config, best, ledger, close) for _ in numbers]
         table = _values(world, conditions, config.intrinsic, config.horizon)
         return cls(index, config, world, mdp, best, table, numbers, records, {})
 
@@ -138,11 +146,11 @@ class Job:
 
 
 @lru_cache(KEPT)
-def _ledger(world: World, conditions: Conditions) -> Ledger:
+def _ledger(world: Source, conditions: Conditions) -> Ledger:
     return Ledger.of(training_problem(world, conditions).mdp)
 
 
-def digest_of_own_tool(world: World) -> str | None:
+def digest_of_own_tool(world: Source) -> str | None:
     """A fingerprint of a world's table with custom tools, in 32 hexadecimal digits.
 
     `None` where all tools are built-in ones, which are always the same.
@@ -150,7 +158,7 @@ def digest_of_own_tool(world: World) -> str | None:
     Raises:
         ValueError: the goal is unreachable.
     """
-    if not world.own_tools:
+    if not isinstance(world, World) or not world.own_tools:
         return None
     mdp = training_problem(world).mdp
     return fingerprint(mdp.transitions, *mdp.factors.values(), *mdp.flags.values())[:32]
@@ -158,7 +166,7 @@ def digest_of_own_tool(world: World) -> str | None:
 
 @lru_cache(KEPT)
 def _task(
-    world: World, conditions: Conditions, with_room: bool, observation: str
+    world: Source, conditions: Conditions, with_room: bool, observation: str
 ) -> tuple[Dynamics, int]:
     problem = training_problem(world, conditions)
     initial = problem.seen if conditions.starts else None
@@ -168,7 +176,7 @@ def _task(
 
 @lru_cache(KEPT)
 def _values(
-    world: World, conditions: Conditions, intrinsic_reward: str, horizon: int
+    world: Source, conditions: Conditions, intrinsic_reward: str, horizon: int
 ) -> Float[np.ndarray, "S"]:
     weight = float(intrinsic_reward != NO_INTRINSIC)
     config = Config(intrinsic=intrinsic_reward, horizon=horizon, beta=weight)

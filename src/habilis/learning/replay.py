@@ -9,6 +9,7 @@ import numpy as np
 
 from habilis.learning.dynamics import make_dynamics
 from habilis.learning.runs import Run
+from habilis.learning.sources import NamedTable
 from habilis.learning.training_problem import (
     Conditions,
     expected_returns,
@@ -17,7 +18,7 @@ from habilis.learning.training_problem import (
 )
 from habilis.mdp import TabularMDP
 from habilis.transitions import Transitions
-from habilis.worlds.plans import solve
+from habilis.worlds.plans import policy_returns, solve
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,25 @@ def success(run: Run, index: int = 0) -> Success:
     )
 
 
+def expected_return(run: Run, index: int = 0) -> float:
+    """The return that one run's greedy policy expects of an episode, from where it was trained.
+
+    Args:
+        run: what `train` returned, or `load_run`.
+        index: which of its runs, from 0.
+
+    Returns:
+        Extrinsic and undiscounted, within `episode_limit` actions; compare `Run.best_return`.
+
+    Raises:
+        ValueError: there is no such run.
+    """
+    _check_index(run, index)
+    mdp, seen, _, _ = training_problem(run.world, Conditions.of(run.config))
+    policy = np.eye(mdp.action_count)[greedy_actions(run, mdp, index)]
+    return float(policy_returns(mdp, policy, run.config.episode_limit)[seen].mean())
+
+
 def greedy_actions(run: Run, mdp: TabularMDP, index: int) -> np.ndarray:
     """The most probable action in every state, int[S].
 
@@ -126,10 +146,10 @@ def best_return_from(run: Run, start: int) -> float | None:
         Extrinsic, undiscounted: of a shortest plan in a deterministic world.
     """
     mdp = table_of(run)
-    if mdp.is_stochastic:
+    if mdp.is_stochastic or isinstance(run.world, NamedTable):
         limit = run.config.episode_limit
         best = float(expected_returns(run.world, Conditions.of(run.config), limit)[start])
-        return best if best > -limit else None
+        return None if mdp.is_stochastic and best <= -limit else best
     plan = solve(mdp, start)
     return None if plan is None else plan.best_return
 
@@ -138,7 +158,8 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
     """Acts out one run's greedy policy.
 
     Where policy and world are deterministic, an episode that comes back to a state will never
-    reach the goal: it ends there. In a stochastic world it ends after `episode_limit` actions.
+    reach the goal: it ends there. In a stochastic world, and of a table, whose rewards may be any,
+    it ends after `episode_limit` actions.
 
     Args:
         run: what `train` returned, or `load_run`.
@@ -161,7 +182,7 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
     if not 0 <= start < mdp.states:
         raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")
     transitions, random = Transitions.of(mdp), np.random.default_rng(seed)
-    ends = mdp.ends
+    ends, may_return = mdp.ends, mdp.is_stochastic or isinstance(run.world, NamedTable)
     states, actions, total = [start], [], 0.0
     while True:
         action = int(policy[states[-1]])
@@ -170,9 +191,7 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
         reached = int(transitions.next_state[made])
         total += float(transitions.reward[made])
         actions.append(action)
-        in_vain = (
-            len(actions) >= run.config.episode_limit if mdp.is_stochastic else reached in states
-        )
+        in_vain = len(actions) >= run.config.episode_limit if may_return else reached in states
         states.append(reached)
         if ends[reached] or in_vain:
             finished = bool(mdp.terminal[reached])

@@ -8,6 +8,7 @@ from habilis.learning.batches import check_lanes, train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
 from habilis.learning.runs import Progress, Run
+from habilis.learning.training_problem import prepared
 
 OnProgress = Callable[[Progress], None]
 
@@ -74,13 +75,14 @@ def train(
     check_lanes(lanes)
     if isinstance(config, Config):
         if out is None:
-            return _trained([Job.of(0, config)], on_progress, lanes)[0]
+            return _trained([Job.of(0, *prepared(config))], on_progress, lanes)[0]
         from habilis.learning.sessions import train_in_folder
 
         return train_in_folder(config, on_progress, Path(out), resume, checkpoint_seconds, lanes)
     if out is not None:
         raise ValueError("out is for one configuration; train several without it, or one by one")
-    return _trained([Job.of(i, c) for i, c in enumerate(config)], on_progress, lanes)
+    jobs = [Job.of(i, *prepared(one)) for i, one in enumerate(config)]
+    return _trained(jobs, on_progress, lanes)
 
 
 def _trained(jobs: list[Job], on_progress: OnProgress | None, lanes: int | None) -> list[Run]:

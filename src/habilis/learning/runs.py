@@ -9,8 +9,9 @@ import polars as pl
 from jaxtyping import Bool, Float32, Float64, Int
 
 from habilis.learning.config import Config
-from habilis.learning.convergence import Averages
+from habilis.learning.convergence import MARGIN, Averages
 from habilis.learning.episodes import Ledger
+from habilis.learning.sources import Source
 from habilis.worlds.world import World
 
 
@@ -20,9 +21,9 @@ class Run:
 
     Attributes:
         config: the configuration.
-        world: its world, with the tool that was used.
-        best_return: extrinsic return of a shortest plan; in a stochastic world, what the best
-            policy expects of an episode.
+        world: its world, with the tool that was used; or its table.
+        best_return: extrinsic return of a shortest plan; in a stochastic world, or of a table, what
+            the best policy expects of an episode.
         episodes: one row an episode of each run: "run", "episode" (both from 0), "steps",
             "return" (extrinsic, undiscounted), and for each flag of the table the number of
             its steps that led to a state with that flag ("equipped", "attached").
@@ -32,11 +33,22 @@ class Run:
     """
 
     config: Config
-    world: World
+    world: Source
     best_return: float
     episodes: pl.DataFrame
     converged_at: tuple[int | None, ...]
     parameters: Any
+
+    @property
+    def map(self) -> World:
+        """Its world.
+
+        Raises:
+            ValueError: it was trained on a table that no map was made of.
+        """
+        if not isinstance(self.world, World):
+            raise ValueError(f"{self.world.name}: the run was trained on a table, which has no map")
+        return self.world
 
 
 @dataclass(frozen=True)
@@ -148,9 +160,10 @@ class Record:
         converged_at: episodes to convergence, `None` if it has not converged.
     """
 
-    def __init__(self, config: Config, best_return: float, ledger: Ledger):
+    def __init__(self, config: Config, best_return: float, ledger: Ledger, margin: float = MARGIN):
         self.config = config
         self.best_return = best_return
+        self.margin = margin
         self.ledger = ledger
         self.began: float | None = None
         self.steps = 0
@@ -223,7 +236,7 @@ class Record:
     def _looked_at(self, before: Averages, more: np.ndarray) -> tuple[Averages, int | None]:
         """Goes on with the averages; episodes beyond the budget do not count."""
         within = more[: max(0, self.config.episodes - before.episodes), 1]
-        return before.after(within, self.best_return)
+        return before.after(within, self.best_return, self.margin)
 
     def _end_if_over(self, at: int | None) -> None:
         budget = self.config.episodes

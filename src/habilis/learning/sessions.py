@@ -12,6 +12,7 @@ from habilis.learning import checkpoints
 from habilis.learning.batches import train_jobs
 from habilis.learning.config import Config
 from habilis.learning.folder import (
+    TABLE,
     begin,
     finish,
     has_begun,
@@ -24,7 +25,9 @@ from habilis.learning.folder import (
 from habilis.learning.jobs import Job
 from habilis.learning.metrics import note_metrics
 from habilis.learning.runs import Progress, Run
+from habilis.learning.sources import Source, names_table
 from habilis.learning.tensorboard import EventFiles
+from habilis.learning.training_problem import prepared
 
 _GO_ON = "make room there, and continue with resume"
 
@@ -46,12 +49,15 @@ def train_in_folder(
     """
     if not seconds >= 0:
         raise ValueError(f"checkpoint_seconds is {seconds!r}; give a number from 0 up")
+    source = None
+    if names_table(config.world):
+        config, source = prepared(config)
     if not resume:
         check_unused(folder)
     elif is_finished(folder):
         return _finished(config, folder)
     check_folder(folder)
-    job = _job_of(config, folder)
+    job = _job_of(config, source, folder)
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with locked(folder):
@@ -74,16 +80,16 @@ def _finished(config: Config, folder: Path) -> Run:
     return run
 
 
-def _job_of(config: Config, folder: Path) -> Job:
+def _job_of(config: Config, source: Source | None, folder: Path) -> Job:
     """The settings of an existing folder, if they match, or new ones.
 
     A process that is killed before it has written what a run starts from leaves its lock, parts of
     that, and nothing to go on from.
     """
     if not has_begun(folder):
-        ours = (LOCK, "config.json", "world.txt") if (folder / LOCK).exists() else ()
+        ours = (LOCK, "config.json", "world.txt", TABLE) if (folder / LOCK).exists() else ()
         check_unused(folder, but=ours)
-        return Job.of(0, config)
+        return Job.of(0, config, source)
     _check_same(config, folder)
     return Job.of(0, config, read_world(folder))
 

@@ -33,7 +33,7 @@ def summary_of(folder: Path) -> Answer:
     return {
         "name": folder.resolve().name,
         "runs": run.config.runs,
-        "drawn": drawn_of(run.world),
+        "drawn": drawn_of(run.map),
         "config": run.config.as_dict(),
     }
 
@@ -80,13 +80,13 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
     """
     run = load_latest(folder)
     mdp = table_of(run)
-    start = mdp.start if at is None else state_of(run.world, mdp, at)
+    start = mdp.start if at is None else state_of(run.map, mdp, at)
     episode = play(run, index, start)
     policy, values = learned(run, mdp, index)
     here = np.ones(mdp.states, bool)
     for name in mdp.factors.keys() - {"agent", HELD, LAID}:
         here &= mdp.factor(name) == mdp.factor(name)[start]
-    shape = run.world.height, run.world.width
+    shape = run.map.height, run.map.width
     grids: Any = [[[None] * shape[1] for _ in range(shape[0])] for _ in range(2)]
     shown = np.flatnonzero(here)
     if LAID in mdp.factors:  # as in a landscape, an adjacent tool is in hand if possible
@@ -98,14 +98,14 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
         grids[0][row][column] = rounded(policy[state])
         grids[1][row][column] = rounded(values[state])
     return {
-        "drawn": drawn_of(run.world),
+        "drawn": drawn_of(run.map),
         "policy": {
             "episode": [rounded(policy[state]) for state in episode.states],
             "cells": grids[0],
         },
         "values": grids[1],
         "episode": {
-            "placements": [placed(run.world, mdp, state) for state in episode.states],
+            "placements": [placed(run.map, mdp, state) for state in episode.states],
             "actions": list(episode.actions),
             "values": [rounded(values[state]) for state in episode.states],
             "return": episode.episode_return,

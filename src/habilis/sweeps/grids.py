@@ -7,11 +7,12 @@ import polars as pl
 
 from habilis.files import writing
 from habilis.learning.config import Config
+from habilis.learning.sources import Source
+from habilis.learning.training_problem import prepared
 from habilis.sweeps import store
 from habilis.sweeps.training import RunMeasure, TrainingTask, check, train_tasks
 from habilis.tasks.session import Session, opened
 from habilis.tasks.task import Executor, OnProgress
-from habilis.worlds.world import World, load_world
 
 
 def sweep(
@@ -66,10 +67,10 @@ def points_of(configs: Sequence[Config]) -> list[store.Point]:
     if not configs:
         raise ValueError("there is nothing to sweep over; give at least one configuration")
     points: list[store.Point] = []
-    fine: set[tuple[World, str]] = set()
+    fine: set[tuple[Source, str]] = set()
     for number, config in enumerate(configs):
         try:
-            world = load_world(config.world, config.tool)
+            config, world = prepared(config)
             if (world, config.intrinsic) not in fine:
                 check(config, world)
                 fine.add((world, config.intrinsic))

@@ -20,6 +20,8 @@ from habilis.files import write_whole
 from habilis.learning.config import Config
 from habilis.learning.folder import check_same_table
 from habilis.learning.jobs import digest_of_own_tool
+from habilis.learning.sources import NamedTable, Source
+from habilis.mdp import TabularMDP
 from habilis.sweeps.training import (
     COLUMNS,
     CURVE,
@@ -37,19 +39,29 @@ from habilis.worlds.world import World
 
 LAYOUT = Layout("sweep", mark="points.json")
 
-Point = tuple[Config, World]
-"""One configuration of a sweep, and its world."""
+Point = tuple[Config, Source]
+"""One configuration of a sweep, and its world or table."""
+
+TABLES = "tables"
+"""The folder of the tables in a sweep's."""
 
 
 def write_points(points: Sequence[Point], folder: Path) -> None:
-    """Writes the points of a sweep."""
+    """Writes the points of a sweep, and the tables that no map was made of."""
+    for table in {world for _, world in points if isinstance(world, NamedTable)}:
+        path = folder / TABLES / f"{table.digest}.npz"
+        if not path.exists():
+            path.parent.mkdir(exist_ok=True)
+            table.mdp.save(path)
     write_json(
         folder / LAYOUT.mark,
         [config.as_dict() | {"map": _map(world)} for config, world in points],
     )
 
 
-def _map(world: World) -> dict[str, str]:
+def _map(world: Source) -> dict[str, str]:
+    if isinstance(world, NamedTable):
+        return {"name": world.name, "digest": world.digest}
     digest, world = digest_of_own_tool(world), world.located()
     noted = {} if digest is None else {"table": digest}
     return {"name": world.name, "tool": world.tool, "text": world.text()} | noted
@@ -72,7 +84,7 @@ def _points(path: Path) -> tuple[list[Point], list[str | None]]:
     try:
         listed = json.loads(path.read_text())
         maps = [values.pop("map") for values in listed]
-        worlds = [World.parse(m["text"], m["name"]) for m in maps]
+        worlds = [_source(m, path.parent) for m in maps]
         points = list(zip(map(Config.from_dict, listed), worlds, strict=True))
         return points, [m.get("table") for m in maps]
     except FileNotFoundError:
@@ -83,6 +95,13 @@ def _points(path: Path) -> tuple[list[Point], list[str | None]]:
         raise ValueError(
             f"{path}: is damaged ({first_line(error)}); sweep into a new folder"
         ) from None
+
+
+def _source(named: dict[str, str], folder: Path) -> Source:
+    if "digest" not in named:
+        return World.parse(named["text"], named["name"])
+    table = TabularMDP.load(folder / TABLES / f"{named['digest']}.npz")
+    return NamedTable(named["name"], named["digest"], table)
 
 
 def tasks_of_points(

@@ -18,8 +18,8 @@ from habilis.learning.batches import LANES, NotFiniteError, room, train_jobs
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.runs import Progress, Record, Run
+from habilis.learning.sources import NamedTable, Source, source_of
 from habilis.tasks.task import Arrays, Done, Stopped
-from habilis.worlds.world import World, load_world
 
 BLOCK = 100
 """Episodes over which a learning curve, and the final return, are averaged."""
@@ -50,13 +50,13 @@ class TrainingTask:
 
     Attributes:
         config: the configuration.
-        world: its world, so that the process that trains needs no map file.
+        world: its world or table, so that the process that trains needs no map file.
         runs: their numbers.
         measures: measurements besides `COLUMNS`.
     """
 
     config: Config
-    world: World
+    world: Source
     runs: tuple[int, ...]
     measures: tuple[RunMeasure, ...] = ()
 
@@ -70,9 +70,7 @@ class TrainingTask:
 
     @cached_property
     def _name(self) -> str:
-        digest = digest_of_own_tool(self.world)
-        tool = [self.world.tool, self.world.text()] if digest is None else [digest, self.world.rows]
-        identity = [plain(self.config), *tool, self.runs]
+        identity = [plain(self.config), *_identity(self.world), self.runs]
         if self.measures:
             identity.append([f"{m.__module__}.{m.__qualname__}" for m in self.measures])
         return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:32]
@@ -83,6 +81,8 @@ class TrainingTask:
 
     @property
     def size(self) -> float:
+        if isinstance(self.world, NamedTable):
+            return self.world.mdp.states
         return self.world.height * self.world.width
 
     def run(self) -> Arrays:
@@ -103,6 +103,14 @@ class TrainingTask:
             raise ValueError(f"holds runs {runs}")
 
 
+def _identity(world: Source) -> list[Any]:
+    """All that makes a world or table another."""
+    if isinstance(world, NamedTable):
+        return [world.digest]
+    digest = digest_of_own_tool(world)
+    return [world.tool, world.text()] if digest is None else [digest, world.rows]
+
+
 def plain(config: Config) -> dict[str, Any]:
     """The settings that decide what a run does, 0 and 0.0 being the same number.
 
@@ -120,7 +128,7 @@ def plain(config: Config) -> dict[str, Any]:
 
 
 def tasks_of(
-    config: Config, world: World | None = None, measures: tuple[RunMeasure, ...] = ()
+    config: Config, world: Source | None = None, measures: tuple[RunMeasure, ...] = ()
 ) -> list[TrainingTask]:
     """The tasks that make up a configuration: its runs, a batch of lanes at a time.
 
@@ -136,7 +144,7 @@ def tasks_of(
         >>> [task.runs for task in tasks_of(Config(world="yard", runs=7))]
         [(0, 1, 2, 3, 4), (5, 6)]
     """
-    world = load_world(config.world, config.tool) if world is None else world
+    world = source_of(config) if world is None else world
     runs = tuple(range(config.runs))
     parts = [runs[first : first + LANES] for first in range(0, config.runs, LANES)]
     return [TrainingTask(config, world, part, measures) for part in parts]
@@ -164,7 +172,7 @@ def outcomes(result: Arrays) -> list[dict[str, Any]]:
     return rows
 
 
-def check(config: Config, world: World) -> None:
+def check(config: Config, world: Source) -> None:
     """Refuses what cannot be trained, before anything is.
 
     Raises:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Float, Float64, Int64
 
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore_to_end
@@ -143,6 +143,28 @@ def best_returns(mdp: TabularMDP, limit: int) -> Float64[np.ndarray, "S"]:
             return better
         best = better
     return best
+
+
+def policy_returns(
+    mdp: TabularMDP, policy: Float[np.ndarray, "S A"], limit: int
+) -> Float64[np.ndarray, "S"]:
+    """The return that a policy expects from every state.
+
+    Args:
+        mdp: the table.
+        policy: float[S, A], the probability of each action; 0 where it is not available.
+        limit: how many steps an episode has, at most.
+
+    Returns:
+        float64[S], undiscounted.
+    """
+    expected, reward = np.zeros(mdp.states), mdp.reward.astype(np.float64)
+    for _ in range(limit):
+        after = _expected(mdp, np.where(mdp.terminal, 0.0, expected))
+        before, expected = expected, ((reward + after) * policy).sum(axis=1)
+        if np.abs(expected - before).max() < _SETTLED:
+            break
+    return expected
 
 
 def _expected(mdp: TabularMDP, values: Float64[np.ndarray, "S"]) -> Float64[np.ndarray, "S A"]:

@@ -41,6 +41,18 @@ def table_named(
         env.close()
 
 
+def limit_named(name: str) -> int | None:
+    """After how many steps an environment truncates an episode, by its name; `None`: never.
+
+    Raises:
+        ValueError: there is no such environment.
+    """
+    identity, _, query = name.partition("?")
+    env = _made(identity, _arguments(identity, query))
+    env.close()
+    return None if env.spec is None else env.spec.max_episode_steps
+
+
 def _made(identity: str, arguments: dict[str, Any]) -> gymnasium.Env:
     """`gymnasium.make`, with every failure a ValueError of one line, and without warnings.
 

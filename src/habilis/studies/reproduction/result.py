@@ -55,7 +55,7 @@ class Reproduction:
     @property
     def other_worlds(self) -> list[World]:
         """The maps on which the tables' agents acted, unless they are the built-in ones."""
-        worlds = [replace(r.run.world, name=r.map) for r, *_ in self.results.values()]
+        worlds = [replace(r.run.map, name=r.map) for r, *_ in self.results.values()]
         built_in = {e.world for e in EXPERIMENTS}
         return [world for world in worlds if world.name not in built_in]
 

@@ -1,0 +1,76 @@
+"""The sources of training problems: worlds, and tables that no map was made of."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from habilis.cache import table_digest
+from habilis.learning.config import BY_DIGEST, Config
+from habilis.mdp import TabularMDP
+from habilis.worlds.world import World, load_world
+
+GYM = "gym:"
+TABLE, PUSHWORLD = ".npz", ".pwp"
+"""Suffixes of files that are no maps."""
+
+
+@dataclass(frozen=True)
+class NamedTable:
+    """A table to train on; two of the same digest are the same.
+
+    Attributes:
+        name: what messages and pictures call it.
+        digest: a fingerprint of all that training depends on.
+        mdp: the table.
+        limit: after how many steps its environment truncates an episode; `None`: never.
+    """
+
+    name: str
+    digest: str
+    mdp: TabularMDP = field(compare=False, repr=False)
+    limit: int | None = field(default=None, compare=False)
+
+    @classmethod
+    def of(cls, name: str, mdp: TabularMDP, limit: int | None = None) -> "NamedTable":
+        return cls(name, table_digest(mdp), mdp, limit)
+
+
+Source = World | NamedTable
+
+
+def names_table(world: str | TabularMDP) -> bool:
+    """Whether the world of a configuration is a table, and not a map."""
+    if isinstance(world, TabularMDP):
+        return True
+    return world.startswith((GYM, BY_DIGEST)) or Path(world).suffix in (TABLE, PUSHWORLD)
+
+
+def source_of(config: Config) -> Source:
+    """The world or table that a configuration names.
+
+    Raises:
+        ValueError: there is none such, or it is a table and the configuration names a tool.
+    """
+    named = config.world
+    if isinstance(named, str) and not names_table(named):
+        return load_world(named, config.tool)
+    if isinstance(named, TabularMDP):
+        found = NamedTable.of("table", named)
+    elif named.startswith(GYM):
+        from habilis.bridges.gymnasium.named import limit_named, table_named
+
+        env = named.removeprefix(GYM)
+        found = NamedTable.of(named, table_named(env), limit_named(env))
+    elif Path(named).suffix == TABLE:
+        found = NamedTable.of(Path(named).stem, TabularMDP.load(named))
+    elif Path(named).suffix == PUSHWORLD:
+        from habilis.bridges import load_pushworld
+        from habilis.models import explore
+
+        found = NamedTable.of(Path(named).stem, explore(load_pushworld(named)))
+    else:
+        raise ValueError(
+            f"world is {named!r}, which only the folder of its run has; give the table"
+        )
+    if config.tool is not None:
+        raise ValueError(f"{found.name} is no map, and has no tool to replace; leave out tool")
+    return found
