@@ -43,7 +43,7 @@ def _fast() -> Iterator[Condition]:
     for experiment in EXPERIMENTS:
         for row in experiment.rows:
             config = row_config(experiment, row, FULL)
-            where = (config.world, row.tool, REWARDS[row.intrinsic])
+            where = (str(config.world), row.tool, REWARDS[row.intrinsic])
             yield Condition("fast", FAST, *where, row.horizon, row.beta, "plain", config)
 
 

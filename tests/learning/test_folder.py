@@ -27,7 +27,7 @@ def folder(run, tmp_path):
 def test_a_run_is_read_back_as_it_was(run, folder):
     again = load_run(folder)
     assert again.config == run.config
-    assert again.world.text() == run.world.text()
+    assert again.map.text() == run.map.text()
     assert again.episodes.equals(run.episodes)
     assert again.converged_at == run.converged_at
     assert again.best_return == run.best_return
@@ -122,7 +122,7 @@ def test_a_converged_run_plays_to_the_goal(run):
     episode = play(run, 0)
     assert episode.finished
     assert episode.episode_return == run.best_return
-    mdp = tabulate(run.world)
+    mdp = tabulate(run.map)
     assert episode.states[0] == mdp.start
     for state, action, reached in zip(
         episode.states, episode.actions, episode.states[1:], strict=False
@@ -139,10 +139,10 @@ def test_a_policy_that_goes_round_in_circles_stops(run):
 
 
 def test_states_are_drawn_as_worlds(run):
-    mdp = tabulate(run.world)
-    frames = [placement(run.world, mdp, state) for state in play(run, 0).states]
-    assert frames[0] == run.world
-    assert frames[-1].object == run.world.goal
+    mdp = tabulate(run.map)
+    frames = [placement(run.map, mdp, state) for state in play(run, 0).states]
+    assert frames[0] == run.map
+    assert frames[-1].object == run.map.goal
 
 
 def test_a_run_that_is_not_there_is_refused(run):

@@ -15,6 +15,7 @@ from habilis.learning.config import Config
 from habilis.learning.folder import load_run, read_world
 from habilis.learning.intrinsic import value_table
 from habilis.learning.jobs import Job, digest_of_own_tool
+from habilis.learning.sources import map_of
 from habilis.sweeps import sweep
 from habilis.sweeps.store import read_points, results
 from habilis.sweeps.training import tasks_of
@@ -134,7 +135,7 @@ def test_a_run_is_refused_when_one_of_several_tools_does_something_else(verb, fo
 def test_a_run_is_found_from_another_folder(folder, tmp_path_factory, monkeypatch):
     assert main(["train", "own.txt", *SHORT, "--out", "run"]) == 0
     monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
-    assert load_run(folder / "run").world.own_tools == (f"{folder}/rake.py:Rake",)
+    assert load_run(folder / "run").map.own_tools == (f"{folder}/rake.py:Rake",)
 
 
 def test_a_world_with_ones_own_tool_can_be_pickled_and_read_elsewhere(
@@ -163,7 +164,7 @@ def test_several_things_are_swept_over(folder):
     configs = [config, config.changed(intrinsic="object:can2", horizon=2, beta=0.1)]
     sweep(configs, "sweep")
     assert results("sweep").height == 2
-    assert [world.own_tools for _, world in read_points(folder / "sweep")] == [
+    assert [map_of(world).own_tools for _, world in read_points(folder / "sweep")] == [
         (f"{folder}/rake.py:Rake",)
     ] * 2
     before = tasks_of(config)[0].name

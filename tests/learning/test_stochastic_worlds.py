@@ -18,6 +18,7 @@ from habilis.learning.folder import load_run
 from habilis.learning.jobs import Job, digest_of_own_tool
 from habilis.learning.replay import best_return_from, greedy_actions, play, success, table_of
 from habilis.learning.runner import train
+from habilis.learning.sources import map_of
 from habilis.learning.training_problem import (
     DEFAULT_CONDITIONS,
     Conditions,
@@ -190,7 +191,7 @@ def test_the_digest_of_a_custom_tool_depends_on_its_failure_probability():
 def test_the_command_line_trains_watches_and_says_how_often_it_succeeds(capsys):
     command = ["--steps", "300000", "--runs", "1", "--out", "run"]
     assert main(["train", "fails.txt", *command]) == 0
-    assert load_run("run").world.tools[0].slip == 0.3
+    assert load_run("run").map.tools[0].slip == 0.3
     capsys.readouterr()
     seen = set()
     for seed in range(8):
@@ -211,7 +212,7 @@ def test_actions_may_slip_too(capsys):
     job = Job.of(0, slips)
     assert job.dynamics[0].transitions.outcomes > 2
     assert job.best_return < Job.of(0, LEARN).best_return
-    measured = hb.tabulate(job.world, slip=0.1)
+    measured = hb.tabulate(map_of(job.world), slip=0.1)
     assert fingerprint(job.mdp.transitions) == fingerprint(measured.transitions)
     bare = Config(world="line.txt", slip=0.5)
     Path("line.txt").write_text("A.CG\n")

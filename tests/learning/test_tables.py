@@ -1,6 +1,7 @@
 """Tables that no map was made of are trained on as worlds are: arrays, files, environments."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,6 +24,11 @@ PRIZES = hb.TabularMDP.deterministic(
 QUICK = {"algorithm": "q-learning", "runs": 2, "episodes": 300, "episode_limit": 20, "seed": 1}
 
 
+def table_of(run):
+    assert isinstance(run.world, NamedTable)
+    return run.world
+
+
 def same(one, other):
     return one.episodes.equals(other.episodes) and one.converged_at == other.converged_at
 
@@ -33,7 +39,7 @@ def test_an_array_and_its_file_train_the_same(tmp_path):
     read = hb.train(hb.Config(world=str(tmp_path / "prizes.npz")).changed(**QUICK))
     assert same(run, read)
     assert (run.world.name, read.world.name) == ("table", "prizes")
-    assert run.world.digest == read.world.digest
+    assert run.world == replace(table_of(read), name="table")
 
 
 def test_the_best_return_is_that_of_value_iteration_under_the_limit():
@@ -94,7 +100,10 @@ def test_a_run_is_kept_read_back_resumed_and_played(tmp_path):
     assert same(run, read)
     assert read.world == run.world
     assert same(hb.train(config, out=tmp_path / "run", resume=True), run)
-    assert load_latest(tmp_path / "run").world.mdp.next_state.tolist() == PRIZES.next_state.tolist()
+    assert (
+        table_of(load_latest(tmp_path / "run")).mdp.next_state.tolist()
+        == PRIZES.next_state.tolist()
+    )
     episode = play(read)
     assert episode.episode_return == pytest.approx(expected_return(read))
     assert best_return_from(read, 0) == read.best_return == 5.0

@@ -14,6 +14,7 @@ from habilis.cli import main
 from habilis.learning.config import Config
 from habilis.learning.folder import load_run, read_world
 from habilis.learning.jobs import Job, digest_of_own_tool
+from habilis.learning.sources import map_of
 from habilis.sweeps import sweep
 from habilis.sweeps.store import LAYOUT, read_points, results
 from habilis.sweeps.training import tasks_of
@@ -80,7 +81,7 @@ def test_a_run_goes_on_in_its_folder_and_is_watched_from_anywhere(
     assert main(["watch", str(begun), "--json", "--gif", "run.gif"]) in (0, 1)
     assert json.loads(capsys.readouterr().out)["ended"]
     assert Path("run.gif").read_bytes().startswith(b"GIF")
-    world = read_world(begun)
+    world = map_of(read_world(begun))
     assert world.tool == f"{folder / 'rake.py'}:Rake"
     assert (
         (begun / "world.txt").read_text() == world.text() == f"R = {world.tool}\nA...\nRC..\n...G\n"
@@ -122,7 +123,7 @@ def test_a_folder_without_the_digest_of_its_table_is_read(begun):
     config = json.loads((begun / "config.json").read_text())
     assert len(config["map"].pop("table")) == 32
     (begun / "config.json").write_text(json.dumps(config))
-    assert read_world(begun).tool.endswith("rake.py:Rake")
+    assert map_of(read_world(begun)).tool.endswith("rake.py:Rake")
 
 
 def test_a_built_in_tool_is_not_noted(folder):
@@ -141,8 +142,8 @@ def test_a_copy_of_the_picker_is_learned_with_as_the_picker_is(folder):
     )
     config = Config(world="room.txt", runs=1, intrinsic="object", horizon=2, beta=0.1)
     own, ours = (Job.of(0, config.changed(tool=tool)) for tool in ("copied.py:Copy", "picker"))
-    assert isinstance(own.world.tools[0].rule, Picker)
-    assert own.world.tool == "copied.py:Copy"
+    assert isinstance(map_of(own.world).tools[0].rule, Picker)
+    assert map_of(own.world).tool == "copied.py:Copy"
     assert own.table.tobytes() == ours.table.tobytes()
     assert own.best_return == ours.best_return
     same = jax.tree.map(np.array_equal, own.dynamics[0], ours.dynamics[0])
@@ -168,7 +169,10 @@ def test_tools_are_swept_over(folder, capsys):
     assert main(["sweep", "grid.toml", "--out", "sweep", "--json"]) == 0
     frame = results("sweep")
     assert frame["tool"].to_list() == [RAKE, "broom", "none"]
-    assert [world.tool for _, world in read_points(folder / "sweep")][1:] == ["broom", "none"]
+    assert [map_of(world).tool for _, world in read_points(folder / "sweep")][1:] == [
+        "broom",
+        "none",
+    ]
     before = contents(folder / "sweep")
     assert main(["sweep", "grid.toml", "--out", "sweep", "--resume"]) == 0
     assert contents(folder / "sweep").keys() == before.keys()

@@ -59,11 +59,11 @@ def done(there, number):
 def check_view(there, run, **which):
     """That a view of run 1 shows what the library says."""
     view = there.ask("run", index=1, **which)
-    episode, mdp = play(run, 1), hb.tabulate(run.world)
+    episode, mdp = play(run, 1), hb.tabulate(run.map)
     policy, values = learned(run, mdp, 1)
     assert view["episode"]["actions"] == list(episode.actions)
     assert view["episode"]["return"] == episode.episode_return
-    places = [placement(run.world, mdp, state) for state in episode.states]
+    places = [placement(run.map, mdp, state) for state in episode.states]
     assert [tuple(p["agent"]) for p in view["episode"]["placements"]] == [p.agent for p in places]
     assert np.allclose(view["policy"]["episode"], policy[list(episode.states)], rtol=1e-4)
     assert np.allclose(np.sum(view["policy"]["episode"], axis=1), 1, atol=1e-3)
@@ -86,7 +86,7 @@ def test_a_view_has_in_hand_what_can_be_put_down(tmp_path):
     (tmp_path / "map.txt").write_text("drop: true\nAP..\n.C.G\n....\n....\n")
     config = hb.Config(world=str(tmp_path / "map.txt"), runs=1, episodes=2)
     run = hb.train(config, out=tmp_path / "run")
-    mdp = hb.tabulate(run.world)
+    mdp = hb.tabulate(run.map)
     values = learned(run, mdp, 0)[1]
     put_down = int(mdp.next_state[mdp.start, mdp.actions.index("drop")])
     assert values[put_down] != values[mdp.start]
@@ -95,7 +95,7 @@ def test_a_view_has_in_hand_what_can_be_put_down(tmp_path):
 
 
 def test_a_view_is_of_any_place_of_the_things(there, run):
-    mdp = hb.tabulate(run.world)
+    mdp = hb.tabulate(run.map)
     at = {"agent": [0, 0], "tool": [0, 1], "object": [2, 2]}
     view = there.ask("run", index=0, placement=at)
     values = learned(run, mdp, 0)[1]

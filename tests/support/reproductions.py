@@ -58,5 +58,5 @@ def _run(
             )
         )
         converged.append(None if row.tool == "broom" and run < 3 else count)
-    world = load_world(config.world, config.tool)
+    world = load_world(str(config.world), config.tool)
     return Run(config, world, best, pl.concat(parts), tuple(converged), None)

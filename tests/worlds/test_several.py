@@ -263,7 +263,7 @@ def test_a_world_whose_placements_need_more_than_64_bits_is_tabulated():
     mdp = hb.explore(crowded, horizon=3)
     inside = np.flatnonzero((mdp.next_state != np.arange(mdp.states)[:, None]).any(axis=1))
     assert len(inside) > 5
-    for state in inside:
+    for state in inside.tolist():
         for action, name in enumerate(mdp.actions):
             to = int(mdp.next_state[state, action])
             assert read(crowded, mdp, to) == by_the_rules(crowded, read(crowded, mdp, state), name)

@@ -42,7 +42,8 @@ def to_dataframe(
         ValueError: no such states, not as many values as states, or a column's name twice.
 
     Example:
-        >>> mdp = TabularMDP.deterministic([[0, 1], [1, 0]])
+        >>> import habilis as hb
+        >>> mdp = hb.TabularMDP.deterministic([[0, 1], [1, 0]])
         >>> to_dataframe(mdp, foe=[1.0, 0.5]).rows(named=True)
         [{'state': 0, 'foe': 1.0}, {'state': 1, 'foe': 0.5}]
     """

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float32, Float64, Int
 from habilis.learning.config import Config
 from habilis.learning.convergence import MARGIN, Averages
 from habilis.learning.episodes import Ledger
-from habilis.learning.sources import Source
+from habilis.learning.sources import Source, map_of
 from habilis.worlds.world import World
 
 
@@ -46,9 +46,7 @@ class Run:
         Raises:
             ValueError: it was trained on a table that no map was made of.
         """
-        if not isinstance(self.world, World):
-            raise ValueError(f"{self.world.name}: the run was trained on a table, which has no map")
-        return self.world
+        return map_of(self.world)
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,17 @@ class NamedTable:
 Source = World | NamedTable
 
 
+def map_of(source: Source) -> World:
+    """The world of a run.
+
+    Raises:
+        ValueError: it was trained on a table.
+    """
+    if not isinstance(source, World):
+        raise ValueError(f"{source.name}: the run was trained on a table, which has no map")
+    return source
+
+
 def names_table(world: str | TabularMDP) -> bool:
     """Whether the world of a configuration is a table, and not a map."""
     if isinstance(world, TabularMDP):

@@ -2,7 +2,7 @@
 
 from dataclasses import fields, replace
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
@@ -175,8 +175,7 @@ def prepared(config: Config) -> tuple[Config, Source]:
         return config, source
     if source.limit is not None and source.limit < config.episode_limit:
         config = replace(config, episode_limit=source.limit)
-    defaults = {f.name: f.default for f in fields(config.algorithm)}
-    default = defaults.get("reward_scale")
+    default: Any = {f.name: f.default for f in fields(config.algorithm)}.get("reward_scale")
     if default is not None and config.algorithm.reward_scale == default:
         gain = margin(source, Conditions.of(config), config.episode_limit) / _SHARE
         if 0 < gain * default < _GAIN:

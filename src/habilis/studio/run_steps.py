@@ -17,6 +17,7 @@ from habilis.learning.folder import (
 )
 from habilis.learning.replay import best_return_from, learned, play, table_of
 from habilis.learning.runs import Run
+from habilis.learning.sources import map_of
 from habilis.mdp import HELD, LAID
 from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.scene_steps import Answer, placed, state_of
@@ -54,7 +55,7 @@ def kept(folder: str) -> Answer:
         outcome["error"] = "ended before its first checkpoint: there is nothing to watch"
     return outcome | {
         "runs": config.runs,
-        "drawn": drawn_of(world),
+        "drawn": drawn_of(map_of(world)),
         "config": config.as_dict(),
         "ended": ended,
     }

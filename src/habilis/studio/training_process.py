@@ -15,10 +15,11 @@ from typing import Any
 from habilis.learning.config import Config
 from habilis.learning.runner import train
 from habilis.learning.runs import Progress
+from habilis.learning.sources import map_of, source_of
 from habilis.studio.limits import TRAINING
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import TooManyPlacementsError, reachable
-from habilis.worlds.world import World, load_world
+from habilis.worlds.world import World
 
 CHECKPOINT_SECONDS = 1.0
 
@@ -35,7 +36,7 @@ def main(folder: str) -> None:
 
     try:
         config = Config.from_dict(json.loads(sys.stdin.readline()))
-        check_reach(load_world(config.world))
+        check_reach(map_of(source_of(config)))
         train(config, show, out=Path(folder), checkpoint_seconds=CHECKPOINT_SECONDS)
     except KeyboardInterrupt:
         report(stopped=True)

@@ -111,7 +111,7 @@ def test_the_tables_learner_is_the_best_pairs_on_its_maps(full):
             config = row_config(experiment, row, QUICK, pair)
             values = config.as_dict()
             assert {name: values[name] for name in pair.learner} == dict(pair.learner)
-            assert config.world.endswith(f"{pair.maps[experiment.name]}.txt")
+            assert str(config.world).endswith(f"{pair.maps[experiment.name]}.txt")
 
 
 def test_without_pairs_the_fast_learner_is_on_the_maps_it_was_calibrated_on():
