@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int, Int64
@@ -12,6 +13,11 @@ from habilis.bridges.bodies import ACTIONS, Body, Collisions
 from habilis.bridges.pushworld_text import parsed
 from habilis.files import shown, text_of
 from habilis.worlds.grid import Cell
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from habilis.worlds.pictures.shapes import Drawing
 
 State = tuple[int, ...]
 """The cells of the corners of all bodies, `row * columns + column`, the agent's first."""
@@ -96,6 +102,16 @@ class PushWorld:
         bodies = tuple(Body.covering(*one) for one in covered.items())
         places = tuple(Goal(Body.covering(*one).corner, (one[0],)) for one in goals.items())
         return cls(name, shape, walls, agent_walls, bodies, places)
+
+    @property
+    def height(self) -> int:
+        """The rows of the map."""
+        return self.shape[0]
+
+    @property
+    def width(self) -> int:
+        """The columns of the map."""
+        return self.shape[1]
 
     @property
     def initial(self) -> State:
@@ -248,6 +264,22 @@ class PushWorld:
         there = self if state is None else self.at(state)
         walls = there.walls | {*there.bodies[self.place(name)].covered()}
         return replace(there.without(name), walls=walls)
+
+    def drawings(self) -> "list[Drawing]":
+        """What a picture shows but walls and floor: goals and bodies (see `save_picture`)."""
+        from habilis.bridges.puzzle_shapes import puzzle_drawings
+
+        return puzzle_drawings(self)
+
+    def colored_text(self) -> "Text":
+        """The map in colours for a terminal: two characters a cell, one line a row.
+
+        `A` is the agent, a number a movable, `G` with a number its goal, `##` a wall, and `//` one
+        for the agent alone. A `G` after another character is a goal under it.
+        """
+        from habilis.bridges.puzzle_text import colored
+
+        return colored(self)
 
     def place(self, name: str) -> int:
         """The place of a movable's cell in a state.

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any, Protocol, cast, get_args, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64, UInt8
@@ -60,7 +60,35 @@ _STYLES = {  # by what a character stands for
 }
 
 
-def draw_world(ax: Axes, world: World, *, background: bool = True) -> None:
+@runtime_checkable
+class Drawn(Protocol):
+    """A map with drawings of its own, which pictures take in the place of a world.
+
+    Attributes:
+        name: what messages call it.
+        height, width: rows and columns of the map.
+        walls: the wall cells.
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def walls(self) -> frozenset[Cell]: ...
+
+    def drawings(self) -> list[Drawing]:
+        """All but walls and floor, from the back to the front, in the coordinates of the map."""
+        ...
+
+    def colored_text(self) -> Text:
+        """The map in colours for a terminal: two characters a cell, one line a row."""
+        ...
+
+
+def draw_world(ax: Axes, world: World | Drawn, *, background: bool = True) -> None:
     """Draws a world in the state of its start cells.
 
     The tool in hand faces away from the agent. A can on its goal is in the bin; when something
@@ -72,11 +100,15 @@ def draw_world(ax: Axes, world: World, *, background: bool = True) -> None:
         world: what to draw.
         background: whether to draw the floor with its grid lines, or walls and things alone.
     """
-    draw_map(ax, world, things_of(world, world.agent), background=background)
+    if isinstance(world, World):
+        draw_map(ax, world, things_of(world, world.agent), background=background)
+        return
+    draw_map(ax, world, {}, background=background)
+    draw_shapes(ax, world.drawings())
 
 
 def draw_map(
-    ax: Axes, world: World, things: Mapping[Cell, Drawing], *, background: bool = True
+    ax: Axes, world: World | Drawn, things: Mapping[Cell, Drawing], *, background: bool = True
 ) -> None:
     """Draws a map with any drawings in its cells (see `draw_world`)."""
     _fit(ax, world)
@@ -86,11 +118,11 @@ def draw_map(
     draw_shapes(ax, [_at(cell, drawing) for cell, drawing in things.items()])
 
 
-def world_figure(world: World, cell: int | None = None) -> Figure:
+def world_figure(world: World | Drawn, cell: int | None = None) -> Figure:
     """Draws a world.
 
     Args:
-        world: the map, in any state.
+        world: the map, in any state; or a puzzle.
         cell: pixels per cell; by default 48, and fewer on maps of more than 100 cells across.
 
     Returns:
@@ -107,11 +139,11 @@ def cell_size(across: int) -> int:
     return max(1, min(_CELL, _ACROSS // across))
 
 
-def save_picture(world: World, path: str | Path, cell: int | None = None) -> None:
+def save_picture(world: World | Drawn, path: str | Path, cell: int | None = None) -> None:
     """Writes the picture of a world; the suffix says in which format.
 
     Args:
-        world: what to draw.
+        world: what to draw, a world or a puzzle.
         path: ends with .png, .svg or .pdf.
         cell: pixels a cell; by default 48, and on maps of more than 100 cells across fewer.
 
@@ -138,9 +170,9 @@ def save_figure(figure: Figure, path: str | Path) -> None:
         write_whole(path, lambda file: figure.savefig(file, **how))
 
 
-def frame(world: World, cell: int = 32) -> UInt8[np.ndarray, "height width 3"]:
+def frame(world: World | Drawn, cell: int = 32) -> UInt8[np.ndarray, "height width 3"]:
     """The picture of a world as red, green and blue pixels, `cell` by `cell` of them a cell."""
-    return rendered(world, things_of(world, world.agent), cell)
+    return _pixels(world_figure(world, cell))
 
 
 def rendered(
@@ -149,17 +181,23 @@ def rendered(
     """A map with any drawings in its cells, as pixels."""
     figure = new_figure(cell * world.width, cell * world.height)
     draw_map(figure.add_axes((0, 0, 1, 1)), world, things)
+    return _pixels(figure)
+
+
+def _pixels(figure: Figure) -> UInt8[np.ndarray, "height width 3"]:
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
-def colored_text(world: World) -> Text:
+def colored_text(world: World | Drawn) -> Text:
     """The map in colours for a terminal: two characters a cell, one line a row.
 
     The letters are those of the map's text; a G beside another letter is the goal under it. Of
     several tools the one in hand is underlined.
     """
+    if not isinstance(world, World):
+        return world.colored_text()
     marks = world.marks
     under = {mark.cell: mark.character for mark in marks if mark.role == GOAL}
     above = {mark.cell: mark for mark in marks}
@@ -191,7 +229,7 @@ def new_figure(width: int, height: int) -> Figure:
     return Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
 
 
-def _fit(ax: Axes, world: World) -> None:
+def _fit(ax: Axes, world: World | Drawn) -> None:
     """One unit of the axes is a cell, and there is nothing around the map."""
     ax.set(xlim=(0, world.width), ylim=(world.height, 0), aspect="equal", xticks=[], yticks=[])
     ax.set_frame_on(False)
@@ -212,7 +250,7 @@ def draw_shapes(ax: Axes, drawings: Iterable[Drawing]) -> None:
     ax.add_collection(areas, autolim=False)
 
 
-def _draw_floor(ax: Axes, world: World) -> None:
+def _draw_floor(ax: Axes, world: World | Drawn) -> None:
     """Cells with their grid lines; each line is drawn across the whole map."""
     line, paper = SHAPES["floor"]
     half = paper.points[0][0]  # of a line's width
@@ -227,7 +265,7 @@ def _draw_floor(ax: Axes, world: World) -> None:
     draw_shapes(ax, [(box(0, 0, right, bottom, paper.fill), *down, *across)])
 
 
-def _draw_walls(ax: Axes, world: World) -> None:
+def _draw_walls(ax: Axes, world: World | Drawn) -> None:
     cells = np.array(sorted(world.walls), float).reshape(-1, 2)
     for shape in SHAPES["wall"]:
         ax.add_collection(repeated(ax, shape, cells, facecolors=shape.fill), autolim=False)

@@ -74,11 +74,11 @@ def _circle(fill: str, x: float, y: float, radius: float) -> Shape:
     return _ellipse(fill, x, y, radius, radius)
 
 
-def _polygon(fill: str, *points: Point) -> Shape:
+def polygon(fill: str, *points: Point) -> Shape:
     return Shape(points, fill)
 
 
-def _box(fill: str, left: float, top: float, right: float, bottom: float, r: float) -> Shape:
+def box(fill: str, left: float, top: float, right: float, bottom: float, r: float) -> Shape:
     """A box with corners rounded by radius `r`."""
     corners = (
         _arc(right - r, bottom - r, r, r, 0.0, 1.0),
@@ -89,7 +89,7 @@ def _box(fill: str, left: float, top: float, right: float, bottom: float, r: flo
     return Shape(sum(corners, ()), fill)
 
 
-def _bow(
+def bow(
     fill: str, x: float, y: float, radius: float, width: float, start: float, stop: float
 ) -> Shape:
     """A thick arc with round ends, clockwise from `start` to `stop` quarter turns."""
@@ -105,7 +105,7 @@ def _bow(
     return Shape(sum(outline, ()), fill)
 
 
-def _rod(fill: str, width: float, start: Point, end: Point) -> Shape:
+def rod(fill: str, width: float, start: Point, end: Point) -> Shape:
     """A thick line with round ends."""
     (x0, y0), (x1, y1) = start, end
     along = atan2(y1 - y0, x1 - x0) / (pi / 2)
@@ -117,136 +117,136 @@ def _rod(fill: str, width: float, start: Point, end: Point) -> Shape:
     return Shape(sum(caps, ()), fill)
 
 
-_INK, _WHITE, _PAPER = "#1f2430", "#ffffff", "#f6f7f8"
+INK, WHITE, PAPER = "#1f2430", "#ffffff", "#f6f7f8"
 # The main colours are Okabe and Ito's, which are distinguishable for every kind of colour vision.
-_ORANGE, _GREEN, _BLUE, _RED = "#e69f00", "#009e73", "#0072b2", "#d55e00"
-_VIOLET = "#cc79a7"
-_LEAF, _STRAW, _YELLOW = "#00684c", "#c08414", "#f0c24b"
-_SILVER, _STEEL = "#cfd6de", "#8a94a3"
-_SKY, _WOOD = "#56b4e9", "#c98a4b"
+ORANGE, GREEN, BLUE, RED = "#e69f00", "#009e73", "#0072b2", "#d55e00"
+VIOLET = "#cc79a7"
+LEAF, STRAW, YELLOW = "#00684c", "#c08414", "#f0c24b"
+SILVER, STEEL = "#cfd6de", "#8a94a3"
+SKY, WOOD = "#56b4e9", "#c98a4b"
 _GLEAM_OF_CAN, _GLEAM_OF_BALL = "#ef8a4a", "#bfe3f7"
 
 _FLOOR: Drawing = (
-    _polygon("#d2d6db", (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)),
-    _polygon(_PAPER, (0.013, 0.013), (0.987, 0.013), (0.987, 0.987), (0.013, 0.987)),
+    polygon("#d2d6db", (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)),
+    polygon(PAPER, (0.013, 0.013), (0.987, 0.013), (0.987, 0.987), (0.013, 0.987)),
 )
-_PLATE: Drawing = (_box(_PAPER, 0.0, 0.0, 1.0, 1.0, 0.2),)
+_PLATE: Drawing = (box(PAPER, 0.0, 0.0, 1.0, 1.0, 0.2),)
 _WALL: Drawing = (
     # A little more than the cell, so that no light shows between neighbours.
-    _polygon("#1b1e24", (-0.01, -0.01), (1.01, -0.01), (1.01, 1.01), (-0.01, 1.01)),
-    _box("#2b2f38", 0.06, 0.06, 0.94, 0.94, 0.08),
+    polygon("#1b1e24", (-0.01, -0.01), (1.01, -0.01), (1.01, 1.01), (-0.01, 1.01)),
+    box("#2b2f38", 0.06, 0.06, 0.94, 0.94, 0.08),
 )
 _AGENT: Drawing = (
-    _box(_INK, 0.475, 0.1, 0.525, 0.24, 0.02),  # antenna
-    _circle(_ORANGE, 0.5, 0.1, 0.065),
-    _box(_INK, 0.1, 0.31, 0.9, 0.46, 0.06),  # ears
-    _box(_INK, 0.31, 0.84, 0.46, 0.96, 0.05),  # feet
-    _box(_INK, 0.54, 0.84, 0.69, 0.96, 0.05),
-    _box(_STEEL, 0.17, 0.64, 0.3, 0.83, 0.06),  # arms
-    _box(_STEEL, 0.7, 0.64, 0.83, 0.83, 0.06),
-    _box("#005f96", 0.27, 0.55, 0.73, 0.9, 0.1),  # body
-    _circle(_YELLOW, 0.5, 0.755, 0.055),
-    _box(_BLUE, 0.16, 0.19, 0.84, 0.62, 0.15),  # head
-    _box("#eaf5fc", 0.23, 0.27, 0.77, 0.55, 0.11),  # face
-    _ellipse(_INK, 0.375, 0.385, 0.055, 0.07),  # eyes
-    _ellipse(_INK, 0.625, 0.385, 0.055, 0.07),
-    _circle(_WHITE, 0.39, 0.36, 0.02),
-    _circle(_WHITE, 0.64, 0.36, 0.02),
-    _bow(_INK, 0.5, 0.415, 0.07, 0.032, 0.3, 1.7),  # smile
+    box(INK, 0.475, 0.1, 0.525, 0.24, 0.02),  # antenna
+    _circle(ORANGE, 0.5, 0.1, 0.065),
+    box(INK, 0.1, 0.31, 0.9, 0.46, 0.06),  # ears
+    box(INK, 0.31, 0.84, 0.46, 0.96, 0.05),  # feet
+    box(INK, 0.54, 0.84, 0.69, 0.96, 0.05),
+    box(STEEL, 0.17, 0.64, 0.3, 0.83, 0.06),  # arms
+    box(STEEL, 0.7, 0.64, 0.83, 0.83, 0.06),
+    box("#005f96", 0.27, 0.55, 0.73, 0.9, 0.1),  # body
+    _circle(YELLOW, 0.5, 0.755, 0.055),
+    box(BLUE, 0.16, 0.19, 0.84, 0.62, 0.15),  # head
+    box("#eaf5fc", 0.23, 0.27, 0.77, 0.55, 0.11),  # face
+    _ellipse(INK, 0.375, 0.385, 0.055, 0.07),  # eyes
+    _ellipse(INK, 0.625, 0.385, 0.055, 0.07),
+    _circle(WHITE, 0.39, 0.36, 0.02),
+    _circle(WHITE, 0.64, 0.36, 0.02),
+    bow(INK, 0.5, 0.415, 0.07, 0.032, 0.3, 1.7),  # smile
 )
 _PICKER: Drawing = (
-    _bow(_STEEL, 0.5, 0.14, 0.15, 0.05, 0.1, 1.0),  # trigger
-    _rod(_STEEL, 0.085, (0.5, 0.1), (0.5, 0.6)),  # shaft
-    _rod(_ORANGE, 0.13, (0.5, 0.09), (0.75, 0.13)),  # grip
-    _bow(_INK, 0.5, 0.76, 0.19, 0.08, -0.9, 0.55),  # jaws
-    _bow(_INK, 0.5, 0.76, 0.19, 0.08, 1.45, 2.9),
-    _circle(_ORANGE, 0.623, 0.904, 0.064),  # their pads
-    _circle(_ORANGE, 0.377, 0.904, 0.064),
-    _circle(_INK, 0.5, 0.58, 0.095),  # hinge
-    _circle(_SILVER, 0.5, 0.58, 0.04),
+    bow(STEEL, 0.5, 0.14, 0.15, 0.05, 0.1, 1.0),  # trigger
+    rod(STEEL, 0.085, (0.5, 0.1), (0.5, 0.6)),  # shaft
+    rod(ORANGE, 0.13, (0.5, 0.09), (0.75, 0.13)),  # grip
+    bow(INK, 0.5, 0.76, 0.19, 0.08, -0.9, 0.55),  # jaws
+    bow(INK, 0.5, 0.76, 0.19, 0.08, 1.45, 2.9),
+    _circle(ORANGE, 0.623, 0.904, 0.064),  # their pads
+    _circle(ORANGE, 0.377, 0.904, 0.064),
+    _circle(INK, 0.5, 0.58, 0.095),  # hinge
+    _circle(SILVER, 0.5, 0.58, 0.04),
 )
 _BROOM: Drawing = (
-    _box("#9c6430", 0.46, 0.02, 0.54, 0.55, 0.04),  # stick
-    _polygon(
-        _YELLOW, (0.37, 0.57), (0.63, 0.57), (0.75, 0.72), (0.83, 0.95), (0.17, 0.95), (0.25, 0.72)
+    box("#9c6430", 0.46, 0.02, 0.54, 0.55, 0.04),  # stick
+    polygon(
+        YELLOW, (0.37, 0.57), (0.63, 0.57), (0.75, 0.72), (0.83, 0.95), (0.17, 0.95), (0.25, 0.72)
     ),
-    _polygon(_STRAW, (0.28, 0.95), (0.325, 0.8), (0.345, 0.95)),  # gaps between the bristles
-    _polygon(_STRAW, (0.465, 0.95), (0.5, 0.77), (0.535, 0.95)),
-    _polygon(_STRAW, (0.655, 0.95), (0.675, 0.8), (0.72, 0.95)),
-    _polygon(_STRAW, (0.27, 0.695), (0.298, 0.66), (0.702, 0.66), (0.73, 0.695)),  # stitching
-    _box(_RED, 0.35, 0.48, 0.65, 0.61, 0.05),  # collar
+    polygon(STRAW, (0.28, 0.95), (0.325, 0.8), (0.345, 0.95)),  # gaps between the bristles
+    polygon(STRAW, (0.465, 0.95), (0.5, 0.77), (0.535, 0.95)),
+    polygon(STRAW, (0.655, 0.95), (0.675, 0.8), (0.72, 0.95)),
+    polygon(STRAW, (0.27, 0.695), (0.298, 0.66), (0.702, 0.66), (0.73, 0.695)),  # stitching
+    box(RED, 0.35, 0.48, 0.65, 0.61, 0.05),  # collar
 )
 _RAKE: Drawing = (
-    _box("#9c6430", 0.46, 0.02, 0.54, 0.66, 0.04),  # handle
-    _box(_INK, 0.14, 0.64, 0.86, 0.74, 0.04),  # bar
-    *(_rod(_INK, 0.07, (x, 0.72), (x, 0.92)) for x in (0.18, 0.34, 0.5, 0.66, 0.82)),  # teeth
+    box("#9c6430", 0.46, 0.02, 0.54, 0.66, 0.04),  # handle
+    box(INK, 0.14, 0.64, 0.86, 0.74, 0.04),  # bar
+    *(rod(INK, 0.07, (x, 0.72), (x, 0.92)) for x in (0.18, 0.34, 0.5, 0.66, 0.82)),  # teeth
 )
 _STICK: Drawing = (
-    _rod("#9c6430", 0.13, (0.5, 0.12), (0.5, 0.84)),
-    _rod("#c98a4b", 0.035, (0.475, 0.2), (0.475, 0.62)),
+    rod("#9c6430", 0.13, (0.5, 0.12), (0.5, 0.84)),
+    rod("#c98a4b", 0.035, (0.475, 0.2), (0.475, 0.62)),
     _circle("#9c6430", 0.5, 0.12, 0.1),  # knob
-    _box(_INK, 0.4, 0.78, 0.6, 0.97, 0.06),  # foot
-    _box(_RED, 0.41, 0.68, 0.59, 0.76, 0.03),  # ring above it
+    box(INK, 0.4, 0.78, 0.6, 0.97, 0.06),  # foot
+    box(RED, 0.41, 0.68, 0.59, 0.76, 0.03),  # ring above it
 )
 _MAGNET: Drawing = (  # a horseshoe, open to the south
-    _bow(_RED, 0.5, 0.38, 0.23, 0.2, 2.0, 4.0),
-    _box(_RED, 0.17, 0.36, 0.37, 0.68, 0.0),
-    _box(_RED, 0.63, 0.36, 0.83, 0.68, 0.0),
-    _box(_STEEL, 0.17, 0.68, 0.37, 0.93, 0.0),  # poles
-    _box(_STEEL, 0.63, 0.68, 0.83, 0.93, 0.0),
-    _box(_INK, 0.17, 0.66, 0.37, 0.71, 0.0),
-    _box(_INK, 0.63, 0.66, 0.83, 0.71, 0.0),
+    bow(RED, 0.5, 0.38, 0.23, 0.2, 2.0, 4.0),
+    box(RED, 0.17, 0.36, 0.37, 0.68, 0.0),
+    box(RED, 0.63, 0.36, 0.83, 0.68, 0.0),
+    box(STEEL, 0.17, 0.68, 0.37, 0.93, 0.0),  # poles
+    box(STEEL, 0.63, 0.68, 0.83, 0.93, 0.0),
+    box(INK, 0.17, 0.66, 0.37, 0.71, 0.0),
+    box(INK, 0.63, 0.66, 0.83, 0.71, 0.0),
 )
 _BALL: Drawing = (
-    _circle(_SKY, 0.5, 0.52, 0.35),
-    _bow(_INK, 0.12, 0.52, 0.3, 0.045, -0.78, 0.78),  # seams
-    _bow(_INK, 0.88, 0.52, 0.3, 0.045, 1.22, 2.78),
+    _circle(SKY, 0.5, 0.52, 0.35),
+    bow(INK, 0.12, 0.52, 0.3, 0.045, -0.78, 0.78),  # seams
+    bow(INK, 0.88, 0.52, 0.3, 0.045, 1.22, 2.78),
     _circle(_GLEAM_OF_BALL, 0.5, 0.31, 0.075),  # gleam
 )
 _CRATE: Drawing = (
-    _box("#7a4a20", 0.11, 0.13, 0.89, 0.91, 0.03),  # frame
-    _box(_WOOD, 0.2, 0.22, 0.8, 0.82, 0.0),
-    _box("#7a4a20", 0.2, 0.41, 0.8, 0.44, 0.0),  # gaps between the boards
-    _box("#7a4a20", 0.2, 0.61, 0.8, 0.64, 0.0),
-    _rod("#7a4a20", 0.1, (0.25, 0.27), (0.75, 0.77)),  # brace
+    box("#7a4a20", 0.11, 0.13, 0.89, 0.91, 0.03),  # frame
+    box(WOOD, 0.2, 0.22, 0.8, 0.82, 0.0),
+    box("#7a4a20", 0.2, 0.41, 0.8, 0.44, 0.0),  # gaps between the boards
+    box("#7a4a20", 0.2, 0.61, 0.8, 0.64, 0.0),
+    rod("#7a4a20", 0.1, (0.25, 0.27), (0.75, 0.77)),  # brace
 )
 _TOOL: Drawing = (  # a spanner, for tools that say nothing of how they look
-    _bow(_INK, 0.5, 0.17, 0.095, 0.07, 0.0, 4.0),  # ring
-    _polygon(_VIOLET, (0.44, 0.27), (0.56, 0.27), (0.58, 0.6), (0.42, 0.6)),  # handle
-    _box("#8f4a70", 0.475, 0.31, 0.525, 0.54, 0.025),
-    _bow(_INK, 0.5, 0.76, 0.155, 0.15, 1.55, 4.45),  # jaws
+    bow(INK, 0.5, 0.17, 0.095, 0.07, 0.0, 4.0),  # ring
+    polygon(VIOLET, (0.44, 0.27), (0.56, 0.27), (0.58, 0.6), (0.42, 0.6)),  # handle
+    box("#8f4a70", 0.475, 0.31, 0.525, 0.54, 0.025),
+    bow(INK, 0.5, 0.76, 0.155, 0.15, 1.55, 4.45),  # jaws
 )
 _CAN: Drawing = (
-    _ellipse(_STEEL, 0.5, 0.855, 0.19, 0.07),  # foot
-    _polygon(_STEEL, (0.29, 0.22), (0.35, 0.13), (0.65, 0.13), (0.71, 0.22)),  # shoulder
-    _box(_RED, 0.27, 0.2, 0.73, 0.86, 0.06),
-    _polygon("#fbe3d0", (0.27, 0.61), (0.27, 0.49), (0.73, 0.39), (0.73, 0.51)),  # band
-    _box(_GLEAM_OF_CAN, 0.33, 0.27, 0.38, 0.42, 0.025),  # gleam
-    _ellipse(_SILVER, 0.5, 0.14, 0.17, 0.055),  # top
-    _ellipse(_INK, 0.5, 0.14, 0.055, 0.02),
+    _ellipse(STEEL, 0.5, 0.855, 0.19, 0.07),  # foot
+    polygon(STEEL, (0.29, 0.22), (0.35, 0.13), (0.65, 0.13), (0.71, 0.22)),  # shoulder
+    box(RED, 0.27, 0.2, 0.73, 0.86, 0.06),
+    polygon("#fbe3d0", (0.27, 0.61), (0.27, 0.49), (0.73, 0.39), (0.73, 0.51)),  # band
+    box(_GLEAM_OF_CAN, 0.33, 0.27, 0.38, 0.42, 0.025),  # gleam
+    _ellipse(SILVER, 0.5, 0.14, 0.17, 0.055),  # top
+    _ellipse(INK, 0.5, 0.14, 0.055, 0.02),
 )
 _TUB: Drawing = (
-    _polygon(
-        _GREEN, (0.23, 0.32), (0.77, 0.32), (0.71, 0.9), (0.66, 0.95), (0.34, 0.95), (0.29, 0.9)
+    polygon(
+        GREEN, (0.23, 0.32), (0.77, 0.32), (0.71, 0.9), (0.66, 0.95), (0.34, 0.95), (0.29, 0.9)
     ),
-    _rod(_LEAF, 0.05, (0.37, 0.46), (0.395, 0.82)),
-    _rod(_LEAF, 0.05, (0.5, 0.46), (0.5, 0.82)),
-    _rod(_LEAF, 0.05, (0.63, 0.46), (0.605, 0.82)),
+    rod(LEAF, 0.05, (0.37, 0.46), (0.395, 0.82)),
+    rod(LEAF, 0.05, (0.5, 0.46), (0.5, 0.82)),
+    rod(LEAF, 0.05, (0.63, 0.46), (0.605, 0.82)),
 )
 _BIN: Drawing = (
     *_TUB,
-    _bow(_LEAF, 0.5, 0.21, 0.085, 0.045, 2.0, 4.0),  # handle
-    _box(_LEAF, 0.16, 0.22, 0.84, 0.34, 0.05),  # lid
+    bow(LEAF, 0.5, 0.21, 0.085, 0.045, 2.0, 4.0),  # handle
+    box(LEAF, 0.16, 0.22, 0.84, 0.34, 0.05),  # lid
 )
 
 
 def bin_with(thing: Drawing) -> Drawing:
     """The bin with a thing in it, of which the top is seen."""
     return (
-        _rod(_LEAF, 0.09, (0.8, 0.33), (0.93, 0.07)),  # lid, swung open
+        rod(LEAF, 0.09, (0.8, 0.33), (0.93, 0.07)),  # lid, swung open
         *placed(thing, 0.12, -0.05, 0.74),
         *_TUB,
-        _box(_LEAF, 0.18, 0.3, 0.82, 0.38, 0.04),  # rim
+        box(LEAF, 0.18, 0.3, 0.82, 0.38, 0.04),  # rim
     )
 
 
@@ -255,14 +255,14 @@ def marked(drawing: Drawing, thing: Drawing) -> Drawing:
     return (*drawing, *placed((*_LABEL, *thing), 0.305, 0.47, 0.39))
 
 
-_LABEL: Drawing = (_box(_PAPER, 0.02, 0.0, 0.98, 1.02, 0.16),)
+_LABEL: Drawing = (box(PAPER, 0.02, 0.0, 0.98, 1.02, 0.16),)
 # The colours that distinguish things of one kind, and their highlights.
-_MAIN = {"can": (_RED, _GLEAM_OF_CAN), "ball": (_SKY, _GLEAM_OF_BALL), "crate": (_WOOD, "")}
+_MAIN = {"can": (RED, _GLEAM_OF_CAN), "ball": (SKY, _GLEAM_OF_BALL), "crate": (WOOD, "")}
 _OTHER_COLOURS = (
-    (_BLUE, "#5aa9d6"),
-    (_YELLOW, "#fae5ac"),
-    (_VIOLET, "#ebc6da"),
-    (_INK, "#6b7280"),
+    (BLUE, "#5aa9d6"),
+    (YELLOW, "#fae5ac"),
+    (VIOLET, "#ebc6da"),
+    (INK, "#6b7280"),
 )
 
 

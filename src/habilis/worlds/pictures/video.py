@@ -14,12 +14,13 @@ from PIL import Image
 
 from habilis.extras import MissingExtraError, import_from
 from habilis.files import suffix_of, write_whole
+from habilis.worlds.pictures.figures import Drawn, frame
 from habilis.worlds.pictures.tiles import Tiles
 from habilis.worlds.world import World
 
 Frame = UInt8[np.ndarray, "height width 3"]
 Frames = Sequence[Frame] | UInt8[np.ndarray, "frames height width 3"]
-States = Sequence[World] | Frames
+States = Sequence[World] | Sequence[Drawn] | Frames
 
 _REST = 6  # how many times longer a video stays on its last frame
 _TICK, _LONGEST = 10, 655_350  # milliseconds: a GIF counts hundredths, in 16 bits
@@ -30,7 +31,8 @@ def save_video(states: States, path: str | Path, cell: int = 32, milliseconds: i
     """Writes an episode as a video, a GIF or an MP4 by the suffix, that rests on its last state.
 
     Args:
-        states: states of one world in order, or pictures of one size, red, green and blue.
+        states: states of one world or puzzle in order (of a puzzle as `puzzle.at(state)`), or
+            pictures of one size, red, green and blue.
         path: ends with .gif (repeats for ever) or .mp4 (H.264; needs the extra `habilis[video]`).
         cell: pixels a cell, where states are given.
         milliseconds: how long a state stays on.
@@ -64,7 +66,7 @@ def save_gif(states: States, path: str | Path, cell: int = 32, milliseconds: int
         )
     # One palette, so that still things do not flicker; a world's ends have all its colours.
     colours = np.concatenate([first, last])
-    if not isinstance(states[0], World):
+    if not isinstance(states[0], World | Drawn):
         everywhere = _colours(cast(Frames, states))
         if everywhere.size > _colours([first, last]).size:
             colours = everywhere
@@ -146,6 +148,8 @@ def _checked(
             raise ValueError(f"{path}: {name} is {number!r}; give a whole number of at least 1")
     if isinstance(states[0], World):
         return _of_worlds(cast(Sequence[World], states), path, cell)
+    if isinstance(states[0], Drawn):
+        return _of_drawn(cast(Sequence[Drawn], states), path, cell)
     return _of_pictures(cast(Frames, states), path)
 
 
@@ -165,6 +169,21 @@ def _of_worlds(
             )
     tiles = Tiles.of(states[0], cell)
     return tiles.picture(states[0]), tiles.picture(states[-1]), map(tiles.picture, states)
+
+
+def _of_drawn(
+    states: Sequence[Drawn], path: str | Path, cell: int
+) -> tuple[Frame, Frame, Iterator[Frame]]:
+    def still(puzzle: Drawn) -> tuple:
+        return puzzle.name, puzzle.height, puzzle.width, puzzle.walls
+
+    for number, state in enumerate(states):
+        if not isinstance(state, Drawn) or still(state) != still(states[0]):
+            raise ValueError(
+                f"{path}: state {number} is of another puzzle than state 0; give states that "
+                "differ in where the bodies are"
+            )
+    return frame(states[0], cell), frame(states[-1], cell), (frame(one, cell) for one in states)
 
 
 def _of_pictures(pictures: Frames, path: str | Path) -> tuple[Frame, Frame, Iterator[Frame]]:
