@@ -24,6 +24,7 @@ from habilis.learning.algorithms.protocol import Algorithm
 PACKAGES = (
     "habilis",
     "habilis.analysis",
+    "habilis.bridges",
     "habilis.channels",
     "habilis.envs",
     "habilis.learning",

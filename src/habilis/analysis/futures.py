@@ -1,5 +1,6 @@
 """The futures that an agent could choose among: the inputs that attain a state's empowerment."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -7,6 +8,8 @@ import numpy as np
 from jaxtyping import Float64, Int32, Int64
 from numpy.typing import ArrayLike
 
+from habilis.bridges.bodies import ACTIONS as PUZZLE_ACTIONS
+from habilis.bridges.pushworld import PushWorld
 from habilis.channels.capacity import warn_of_gap
 from habilis.empowerment.arguments import (
     Unit,
@@ -33,7 +36,8 @@ _EXACT = Exact()
 _UNUSED = 1e-9  # sequences with less probability are left out
 _ARROWS = ("↑", "→", "↓", "←", "⇑", "⇒", "⇓", "⇐", "↧")
 _MOST = 12  # sequences shown
-_DPI, _GAP, _HEAD, _FOOT, _BARS = 96, 24, 56, 48, 320  # pixels
+_DPI, _GAP, _HEAD, _FOOT, _BARS = 96, 24, 56, 48, 210  # pixels
+_ACTION, _SEQUENCE = 9, 110  # pixels of an action, and at least of a sequence
 
 
 @dataclass(frozen=True)
@@ -158,12 +162,12 @@ def _named(
 
 
 def futures_figure(
-    world: World, mdp: TabularMDP, found: Futures, thing: str, cell: int = 48
+    world: World | PushWorld, mdp: TabularMDP, found: Futures, thing: str, cell: int = 48
 ) -> "Figure":
     """Where a thing could be brought, and by which sequences of actions.
 
     Args:
-        world: the map, in the state asked about (see `placement`).
+        world: the map, in the state asked about (see `placement`); or the puzzle, as `at` makes it.
         mdp: its table, for the names of actions.
         found: of a sensor whose labels are cells.
         thing: the name of the factor that it senses.
@@ -179,7 +183,10 @@ def futures_figure(
     from habilis.worlds.pictures.heatmap import draw_heat, draw_scale
 
     map_width, map_height = cell * world.width, max(cell * world.height, 240)
-    width, height = 3 * _GAP + 80 + map_width + _BARS, _HEAD + map_height + _FOOT
+    labels = [sequence_text(mdp, sequence) for sequence in found.sequences[:_MOST]]
+    beside = max([_SEQUENCE, *(_ACTION * len(label) for label in labels)])
+    width = 3 * _GAP + 80 + map_width + beside + _BARS
+    height = _HEAD + map_height + _FOOT
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
 
     def axes(left: int, across: int) -> "Axes":
@@ -192,8 +199,8 @@ def futures_figure(
     shown = percent.reshape(world.height, world.width)
     heat = draw_heat(ax, world, shown, vmin=0, agent=True)
     draw_scale(heat, "% of choices", cax=axes(_GAP + map_width + 12, 16))
-    bars = axes(width - _BARS - _GAP + 110, _BARS - 110)
-    _draw_sequences(bars, mdp, found)
+    bars = axes(width - _BARS - _GAP, _BARS)
+    _draw_sequences(bars, labels, found)
     horizon, name = found.sequences.shape[1], thing.rpartition(":")[2]
     figure.suptitle(
         f"where the {name} could be after {horizon} actions: "
@@ -203,9 +210,8 @@ def futures_figure(
     return figure
 
 
-def _draw_sequences(ax: "Axes", mdp: TabularMDP, found: Futures) -> None:
-    count = min(_MOST, len(found.sequences))
-    labels = [sequence_text(mdp, sequence) for sequence in found.sequences[:count]]
+def _draw_sequences(ax: "Axes", labels: Sequence[str], found: Futures) -> None:
+    count = len(labels)
     ax.barh(range(count), 100 * found.probability[:count], color="#0072b2")
     ax.set_yticks(range(count), labels, fontsize=9)
     ax.set_ylim(_MOST - 0.5, -0.5)
@@ -215,7 +221,9 @@ def _draw_sequences(ax: "Axes", mdp: TabularMDP, found: Futures) -> None:
 
 
 def sequence_text(mdp: TabularMDP, sequence: np.ndarray) -> str:
-    """A sequence of actions in arrows for a world's table, else by names or numbers."""
+    """A sequence of actions in arrows for a world or a puzzle, else by names or numbers."""
+    if mdp.shape is not None and mdp.actions == PUZZLE_ACTIONS:
+        return "".join("←→↑↓"[action] for action in sequence)
     if mdp.shape is not None and mdp.actions[:1] == ("north",):
         return "".join(_ARROWS[action] for action in sequence)
     return " ".join(mdp.actions[a] if mdp.actions else str(a) for a in sequence)

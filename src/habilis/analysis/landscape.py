@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
-from habilis.analysis.landscape_states import asked
+from habilis.analysis.landscape_states import asked, asked_of_puzzle
+from habilis.bridges.pushworld import PushWorld
 from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.methods import Exact, bounds_of
 from habilis.empowerment.old_keywords import takes_old_keywords
@@ -37,13 +38,13 @@ class Landscape:
     Attributes:
         values: float64[rows, columns], in `unit`; NaN where the agent cannot be: walls, the cells
             of tool and object.
-        world: the map, with tool and object where they were put.
+        world: the map, with tool and object where they were put; or the puzzle.
         unit: "bits" or "nats".
         title: what was measured, as a picture says it.
     """
 
     values: Float64[np.ndarray, "rows columns"]
-    world: World
+    world: World | PushWorld
     unit: str = "bits"
     title: str = ""
 
@@ -120,7 +121,7 @@ class Landscape:
 
 @takes_old_keywords
 def landscape(
-    world: World,
+    world: World | PushWorld,
     horizon: int,
     sensor: Sensor = "state",
     actions: ArrayLike | None = None,
@@ -135,13 +136,14 @@ def landscape(
     """Empowerment for every agent cell, all other things fixed.
 
     Args:
-        world: the map.
+        world: the map; or a puzzle, of which the agent's cell is that of its corner, and no more is
+            explored than the horizon reaches.
         horizon, sensor, actions: as in `empowerment`.
         slip: as in `tabulate`.
         tool, object: their cells; by default those of the map. The agent next to the tool has it
             in hand; where the tool does not lie at its cell of the map, there are only such
             states. Of several, cells by names, as `tool={"rake": (2, 3)}`: these may lie anywhere,
-            and the first beside the agent is in hand.
+            and the first beside the agent is in hand. Of a puzzle, `object={"m1": (2, 3)}`.
         mdp: the world's table, if it is at hand.
         ax: Matplotlib axes to draw it on at once (see `Landscape.draw`).
         **options: `method`, `unit` and `show_progress`, as in `empowerment`.
@@ -159,18 +161,15 @@ def landscape(
         >>> found.values.shape, float(np.nanmax(found.values))
         ((10, 10), 1.0)
     """
-    if tool is not None and not world.tools:
-        raise ValueError(f"{world.name} has no tool here; leave out tool, or use with_tool")
-    if mdp is not None and slip:
-        raise ValueError("slip is given beside a table; give it to `tabulate`")
-    if mdp is not None and (
-        mdp.shape != (world.height, world.width)
-        or Factors.of(world).things
-        != tuple(name for name in mdp.factors if ":" in name or name in ("tool", "object"))
-    ):
-        raise ValueError(f"{world.name}: the table is of another map; give what `tabulate` made")
     show = options.get("show_progress", False)
-    shown, mdp, states = asked(world, horizon, sensor, slip, tool, object, mdp, show)
+    if isinstance(world, PushWorld):
+        if tool is not None or mdp is not None:
+            raise ValueError(f"{world.name} is a puzzle; leave out tool and mdp")
+        shown, mdp, states = asked_of_puzzle(world, horizon, object, show)
+        mdp = mdp.slippery(slip)
+    else:
+        _check_table(world, slip, tool, mdp)
+        shown, mdp, states = asked(world, horizon, sensor, slip, tool, object, mdp, show)
     values = np.full(world.height * world.width, np.nan)
     bits = empowerment(mdp, horizon, sensor, actions, states, **options)
     values[mdp.factor("agent")[states]] = bits
@@ -185,6 +184,24 @@ def landscape(
     if ax is not None:
         found.draw(ax)
     return found
+
+
+def _check_table(world: World, slip: float, tool: Where | None, mdp: TabularMDP | None) -> None:
+    """Refuses a tool's cell in a world without one, and a table of another map.
+
+    Raises:
+        ValueError: it is so.
+    """
+    if tool is not None and not world.tools:
+        raise ValueError(f"{world.name} has no tool here; leave out tool, or use with_tool")
+    if mdp is not None and slip:
+        raise ValueError("slip is given beside a table; give it to `tabulate`")
+    if mdp is not None and (
+        mdp.shape != (world.height, world.width)
+        or Factors.of(world).things
+        != tuple(name for name in mdp.factors if ":" in name or name in ("tool", "object"))
+    ):
+        raise ValueError(f"{world.name}: the table is of another map; give what `tabulate` made")
 
 
 def draw_landscapes(

@@ -5,9 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from habilis.bridges.pushworld import PushWorld
 from habilis.empowerment.arguments import whole_number
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import HELD, LAID, TabularMDP
+from habilis.models.explore import explore
 from habilis.worlds.grid import STEPS
 from habilis.worlds.placements import Factors, with_agents
 from habilis.worlds.reach import MAX_STATES, TooManyPlacementsError, reachable
@@ -53,6 +55,22 @@ def asked(
                 raise
     mdp = tabulate(world, slip, show_progress=show_progress) if mdp is None else mdp
     return shown, mdp, _states(world, mdp, things, at)
+
+
+def asked_of_puzzle(
+    puzzle: PushWorld, horizon: int, object: Where | None, show_progress: bool = False
+) -> tuple[PushWorld, TabularMDP, np.ndarray]:
+    """The same of a puzzle: a state for every cell that the agent's corner can be in."""
+    if object is not None and not isinstance(object, Mapping):
+        raise ValueError(
+            f"{puzzle.name}: object is {object}; give cells by names, as {{'m0': ...}}"
+        )
+    shown = puzzle.with_cells(objects=object)
+    columns, rest = puzzle.width, shown.initial[1:]
+    states = [(row * columns + column, *rest) for row, column in shown.agent_cells]
+    steps = whole_number("horizon", horizon)
+    mdp = explore(shown, states, steps, show_progress=show_progress)
+    return shown, mdp, np.arange(len(states))
 
 
 def _agents(world: World, tools: list[Cell], objects: list[Cell]) -> list[Cell]:

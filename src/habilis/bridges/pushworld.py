@@ -1,6 +1,6 @@
 """Puzzles of rigid bodies that an agent pushes, as models; PushWorld's files."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -210,9 +210,7 @@ class PushWorld:
         Raises:
             ValueError: there is no such state.
         """
-        corners = [divmod(int(label), self.shape[1]) for label in self._checked(state)]
-        pairs = zip(self.bodies, corners, strict=True)
-        bodies = tuple(replace(body, corner=corner) for body, corner in pairs)
+        bodies = self._moved(self._checked(state))
         taken = dict.fromkeys(self.walls, "a wall")
         for body in bodies:
             for cell in body.covered():
@@ -265,11 +263,11 @@ class PushWorld:
         walls = there.walls | {*there.bodies[self.place(name)].covered()}
         return replace(there.without(name), walls=walls)
 
-    def drawings(self) -> "list[Drawing]":
-        """What a picture shows but walls and floor: goals and bodies (see `save_picture`)."""
+    def drawings(self, agent: bool = True) -> "list[Drawing]":
+        """The goals and bodies as a picture shows them, with the agent or without it."""
         from habilis.bridges.puzzle_shapes import puzzle_drawings
 
-        return puzzle_drawings(self)
+        return puzzle_drawings(self, agent)
 
     def colored_text(self) -> "Text":
         """The map in colours for a terminal: two characters a cell, one line a row.
@@ -280,6 +278,40 @@ class PushWorld:
         from habilis.bridges.puzzle_text import colored
 
         return colored(self)
+
+    @property
+    def agent_cells(self) -> list[Cell]:
+        """The cells in which the agent's corner can be, all else as at the start, row by row."""
+        taken = {*self.walls, *self.agent_walls}
+        taken |= {cell for body in self.bodies[1:] for cell in body.covered()}
+        down, right = self._room[0]
+        corners = ((row, column) for row in range(down) for column in range(right))
+        agent = self.bodies[0]
+        return [corner for corner in corners if taken.isdisjoint(agent.covered(corner))]
+
+    def with_cells(
+        self, *, agent: Cell | None = None, objects: Mapping[str, Cell] | None = None
+    ) -> "PushWorld":
+        """The puzzle that starts with some bodies elsewhere.
+
+        Args:
+            agent: the cell of the agent's corner; `None` leaves it where it is, or, if something
+                else comes there, puts it where there is room.
+            objects: those of movables, by their names.
+
+        Raises:
+            ValueError: there is no such movable, or bodies and walls would overlap.
+        """
+        state = [*self.initial]
+        for name, cell in (objects or {}).items():
+            state[self.place(name)] = self._label(self._on_map(name, cell))
+        if agent is not None:
+            state[0] = self._label(self._on_map(AGENT, agent))
+        elif objects:
+            agentless = replace(self, bodies=self._moved(state))
+            if self.bodies[0].corner not in (cells := agentless.agent_cells) and cells:
+                state[0] = self._label(cells[0])
+        return self.at(tuple(state))
 
     def place(self, name: str) -> int:
         """The place of a movable's cell in a state.
@@ -295,6 +327,24 @@ class PushWorld:
             known = ", ".join(self.objects) or "none"
             raise ValueError(f"{self.name}: there is no movable {name!r}; the movables are {known}")
         return 1 + self.objects.index(bare)
+
+    def _moved(self, state: Sequence[int]) -> tuple[Body, ...]:
+        corners = (divmod(int(label), self.shape[1]) for label in state)
+        pairs = zip(self.bodies, corners, strict=True)
+        return tuple(replace(body, corner=corner) for body, corner in pairs)
+
+    def _on_map(self, name: str, cell: Cell) -> Cell:
+        """A cell of the map.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if not (0 <= cell[0] < self.height and 0 <= cell[1] < self.width):
+            raise ValueError(
+                f"{self.name}: the {name} is at {cell}; put it on the map of {self.height} x "
+                f"{self.width} cells"
+            )
+        return cell
 
     def _label(self, corner: Cell) -> int:
         return corner[0] * self.shape[1] + corner[1]

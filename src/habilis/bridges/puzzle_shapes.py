@@ -48,7 +48,7 @@ _DIGITS = ("abcdef", "bc", "abged", "abgcd", "fgbc", "afgcd", "afgedc", "abc", "
 _DIGIT, _STROKE = 0.17, 0.055  # width of a digit and of its lines, in cells
 
 
-def puzzle_drawings(puzzle: "PushWorld") -> list[Drawing]:
+def puzzle_drawings(puzzle: "PushWorld", agent: bool = True) -> list[Drawing]:
     """Everything on a puzzle's map but walls and floor, from the back to the front.
 
     A movable has the colour of its goal, where it has one of its own, and the green of the bins
@@ -71,7 +71,9 @@ def puzzle_drawings(puzzle: "PushWorld") -> list[Drawing]:
         colour, cells = colours[body.name], body.covered()
         outline = (*_solid(line, cells, 0.04, 0.16), *_solid(colour, cells, 0.04 + width, 0.1))
         drawings.append((*outline, *_number(body.name, cells, ink_on(colour))))
-    return [*drawings, _agent(puzzle.bodies[0].covered())]
+    if agent:
+        drawings.append(_agent(puzzle.bodies[0].covered()))
+    return drawings
 
 
 def body_colours(puzzle: "PushWorld") -> dict[str, str]:

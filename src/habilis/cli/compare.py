@@ -7,8 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from habilis.cli.arguments import TOOLS, Args, add_options, add_slip, measure_options, parse_words
+from habilis.bridges.pushworld import PushWorld
+from habilis.cli.arguments import (
+    TOOLS,
+    Args,
+    add_most,
+    add_options,
+    add_slip,
+    max_states,
+    measure_options,
+    parse_words,
+)
 from habilis.cli.output import lower_bounds, print_json, save, shows_progress
+from habilis.cli.puzzles import puzzle_of
 from habilis.files import PICTURES, TABLES
 from habilis.progress import progress_bar
 from habilis.worlds.world import NO_TOOL, World, load_world
@@ -21,12 +32,16 @@ _COMPARED = ("picker", "broom", NO_TOOL)
 """The tools compared after those of the map, unless --tools names some."""
 _PAIRS_HORIZON = 6
 
-HELP: str = "average object empowerment with each tool, and without"
+HELP: str = "average object empowerment with each tool, and without; or which movable is the tool"
 EXAMPLE: str = "habilis compare yard --tools picker,broom,none --horizon 3"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("world", metavar="WORLD", help="a built-in world or a map file")
+    text = "a built-in world or a map file; or a puzzle file (.pwp, .xsb), for its tool ranking"
+    parser.add_argument("world", metavar="WORLD", help=text)
+    text = "the movable of a puzzle that is acted on (default: the first)"
+    parser.add_argument("--target", metavar="M0", help=text)
+    add_most(parser)
     text = f"each {TOOLS}, or a tool of the map (default: those of the map, then"
     text += f" {','.join(_COMPARED)} where the map has a place for a tool)"
     parser.add_argument("--tools", type=parse_words, metavar="A,B,...", help=text)
@@ -47,6 +62,12 @@ def run(args: Args) -> int:
     from habilis.analysis.averages import ranking, with_each_tool
     from habilis.analysis.usefulness import usefulness
 
+    puzzle = puzzle_of(args, args.world, ("tools", "pairs", "slip", "out"))
+    if puzzle is not None:
+        return _run_ranking(args, puzzle)
+    for given in ("target", "max_states"):
+        if getattr(args, given) is not None:
+            raise ValueError(f"{args.flags[given]} is for puzzles; leave it out")
     if args.pairs:
         return _run_pairs(args)
     if args.out:
@@ -111,6 +132,38 @@ def _verdict(tool: "Usefulness", tolerance: float) -> str:
         return f"encumbers the agent (in {worse:.0%} of placements; {useful})"
     what = "equal to none" if _equal(tool, tolerance) else "perhaps better or worse than none"
     return f"{what} (better in {better:.0%} of placements, worse in {worse:.0%}; {useful})"
+
+
+def _run_ranking(args: Args, puzzle: PushWorld) -> int:
+    """Prints the bits lost with each of a puzzle's movables but the target."""
+    from habilis.analysis.tool_ranking import tool_ranking
+
+    if args.horizon is None:
+        raise ValueError("no horizon; give --horizon, such as --horizon 10")
+    if not puzzle.objects:
+        raise ValueError(f"{puzzle.name} has no movable to act on; draw one")
+    options, target = measure_options(args), puzzle.objects[0]
+    if options.pop("unit") != "bits" or args.method != "exact":
+        raise ValueError("the tool ranking is exact and in bits; leave out --unit and --method")
+    if args.target is not None:
+        target = puzzle.objects[puzzle.place(args.target) - 1]
+    frame = tool_ranking(
+        puzzle, target, horizon=args.horizon, max_states=max_states(args), **options
+    )
+    if args.json:
+        found = {"target": f"object:{target}", "horizon": args.horizon, "ranking": frame.to_dicts()}
+        return print_json(found)
+    if frame.is_empty():
+        print(f"{puzzle.name} has no other movable than {target}")
+        return 0
+    bits = frame["bits"][0]
+    print(f"{args.horizon}-step object empowerment over {target}: {bits:.4f} bits")
+    print("bits lost when another movable is fixed, and when it is removed")
+    rows = [["", "fixed", "removed"]]
+    for name, _, fixed, removed in frame.iter_rows():
+        rows.append([name, f"{fixed:z.4f}", f"{removed:z.4f}"])
+    _print_table(rows)
+    return 0
 
 
 def _run_pairs(args: Args) -> int:

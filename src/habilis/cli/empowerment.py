@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 import habilis
+from habilis.bridges.pushworld import PushWorld
 from habilis.cli.arguments import (
     Args,
     action_indices,
@@ -15,8 +16,10 @@ from habilis.cli.arguments import (
     measure_options,
 )
 from habilis.cli.output import lower_bounds, print_json, shows_progress
+from habilis.cli.puzzles import puzzle_of
 from habilis.extras import import_from
 from habilis.files import TABLES
+from habilis.models.limits import TooManyStatesError
 from habilis.worlds.world import ENVIRONMENT, load_world
 
 HELP: str = "compute the empowerment of every state"
@@ -28,6 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_measure(parser)
     add_options(parser)
     add_most(parser)
+    text = "of the first state alone; of a puzzle, then only what the horizon reaches is explored"
+    parser.add_argument("--start", action="store_true", help=text)
     text = "attribute of an environment that is not part of its state, such as a step counter"
     parser.add_argument("--ignore", action="append", default=[], metavar="NAME", help=text)
     parser.add_argument(
@@ -40,18 +45,20 @@ def run(args: Args) -> int:
     from habilis.analysis.data_frames import save_table, to_dataframe
 
     mdp = _table(args)
+    states = [mdp.start] if args.start else None
     values, gap = habilis.empowerment(
         mdp,
         args.horizon,
         args.sensor,
         action_indices(args.actions),
+        states,
         return_gap=True,
         **measure_options(args),
     )
     if args.out is not None:
         with_gap = gap.any() and args.out.suffix.lower() != ".npy"  # one column of values
         columns = {args.unit: values} | ({"gap": gap} if with_gap else {})
-        save_table(to_dataframe(mdp, columns), args.out)
+        save_table(to_dataframe(mdp, columns, states=states), args.out)
     summary = {
         "states": len(values),
         "mean": float(values.mean()),
@@ -59,7 +66,7 @@ def run(args: Args) -> int:
         "max": float(values.max()),
         "gap": float(gap.max()),
     }
-    if "equipped" in mdp.flags and mdp.flags["equipped"].any():
+    if states is None and "equipped" in mdp.flags and mdp.flags["equipped"].any():
         summary["mean_equipped"] = float(values[mdp.flags["equipped"]].mean())
     if args.json:
         kind = {"unit": args.unit, "method": args.method}
@@ -72,12 +79,15 @@ def run(args: Args) -> int:
         style = {"states": ",", "gap": ".2g"}.get(name, ".4f")
         print(f"{name:>14}  {value:{style}}")
     if args.out is not None:
-        print(f"values of all states: {args.out}")
+        print(f"values of {'the first state' if args.start else 'all states'}: {args.out}")
     return 0
 
 
 def _table(args: Args) -> habilis.TabularMDP:
-    """The table of a world or, as `gym:ID`, of a Gymnasium environment."""
+    """The table of a world, a puzzle or, as `gym:ID`, of a Gymnasium environment."""
+    puzzle = puzzle_of(args, args.world, ("tool", "ignore"))
+    if puzzle is not None:
+        return _explored(args, puzzle).slippery(args.slip)
     if not args.world.startswith(ENVIRONMENT):
         if args.ignore:
             raise ValueError("--ignore is for environments, gym:ID; leave it out")
@@ -90,3 +100,18 @@ def _table(args: Args) -> habilis.TabularMDP:
     name = args.world.removeprefix(ENVIRONMENT)
     mdp = named.table_named(name, args.max_states, args.ignore, shows_progress(args))
     return mdp.slippery(args.slip) if args.slip else mdp
+
+
+def _explored(args: Args, puzzle: PushWorld) -> habilis.TabularMDP:
+    """What can be reached in a puzzle, or within the horizon."""
+    horizon = max(args.horizon, 0) if args.start else None
+    most, show = max_states(args), shows_progress(args)
+    try:
+        return habilis.explore(puzzle, None, horizon, most, show_progress=show)
+    except TooManyStatesError:
+        if args.start:
+            raise
+        raise ValueError(
+            f"more than {most:,} states of {puzzle.name} can be reached; give --start for the "
+            "first alone, or raise max_states if there is memory for it"
+        ) from None

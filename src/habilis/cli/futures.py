@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 import habilis
+from habilis.bridges.pushworld import PushWorld
 from habilis.cli.arguments import (
     Args,
     action_indices,
@@ -20,11 +21,12 @@ from habilis.cli.arguments import (
     parse_cell,
 )
 from habilis.cli.output import print_json, save, shows_progress
+from habilis.cli.puzzles import placed, puzzle_of
 from habilis.files import PICTURES
 from habilis.progress import progress_bar
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import reachable
-from habilis.worlds.world import load_world
+from habilis.worlds.world import World, load_world
 
 HELP: str = "the distinguishable action sequences, from the map's start"
 EXAMPLE: str = "habilis futures yard --sensor object --horizon 3 --agent-at 8,5 --tool-at 8,4"
@@ -49,19 +51,7 @@ def run(args: Args) -> int:
     from habilis.analysis.futures import futures as measure
     from habilis.analysis.futures import futures_figure, sequence_text
 
-    world = load_world(args.world, args.tool)
-    world = world.with_cells(
-        agent=args.agent_at,
-        tool=cells_of(world, "tool", args.tool_at),
-        object=cells_of(world, "object", args.object_at),
-    )
-    if not world.single:
-        steps = max(args.horizon, 0)
-        most, show = max_states(args), shows_progress(args)
-        mdp = reachable(world, start_of(world), steps, most, show)[0].slippery(args.slip)
-    else:
-        show = shows_progress(args)
-        mdp = habilis.tabulate(world, args.slip, max_states=max_states(args), show_progress=show)
+    world, mdp = _around(args)
     cells = [name for name in mdp.factors if mdp.is_cell(name)]
     if args.out and (args.sensor == "state" or mdp.factor_named(args.sensor) not in cells):
         raise ValueError(
@@ -104,3 +94,22 @@ def run(args: Args) -> int:
     if args.out is not None:
         print(f"picture: {args.out}")
     return 0
+
+
+def _around(args: Args) -> tuple[World | PushWorld, habilis.TabularMDP]:
+    """A world or a puzzle with everything in its place, and a table that has its futures."""
+    steps, most, show = max(args.horizon, 0), max_states(args), shows_progress(args)
+    puzzle = puzzle_of(args, args.world, ("tool", "tool_at"))
+    if puzzle is not None:
+        puzzle = placed(puzzle, args.agent_at, args.object_at)
+        mdp = habilis.explore(puzzle, None, steps, most, show_progress=show)
+        return puzzle, mdp.slippery(args.slip)
+    world = load_world(args.world, args.tool)
+    world = world.with_cells(
+        agent=args.agent_at,
+        tool=cells_of(world, "tool", args.tool_at),
+        object=cells_of(world, "object", args.object_at),
+    )
+    if not world.single:
+        return world, reachable(world, start_of(world), steps, most, show)[0].slippery(args.slip)
+    return world, habilis.tabulate(world, args.slip, max_states=most, show_progress=show)

@@ -16,6 +16,7 @@ from habilis.cli.arguments import (
     measure_options,
 )
 from habilis.cli.output import print_json, save, shows_progress
+from habilis.cli.puzzles import placed, puzzle_of
 from habilis.files import PICTURES, TABLES
 from habilis.progress import progress_bar
 from habilis.worlds.world import load_world
@@ -37,15 +38,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Args) -> int:
     from habilis.analysis.landscape import landscape as measure
 
-    world = load_world(args.world, args.tool)
+    puzzle, where = puzzle_of(args, args.world, ("tool", "tool_at")), {}
+    if puzzle is not None:
+        world = placed(puzzle, None, args.object_at)
+    else:
+        world = load_world(args.world, args.tool)
+        where["tool"] = cells_of(world, "tool", args.tool_at)
+        where["object"] = cells_of(world, "object", args.object_at)
     found = measure(
         world,
         args.horizon,
         args.sensor,
         action_indices(args.actions),
         slip=args.slip,
-        tool=cells_of(world, "tool", args.tool_at),
-        object=cells_of(world, "object", args.object_at),
+        **where,
         **measure_options(args),
     )
     if args.out is not None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int32
 
-from habilis.models.limits import MAX_STATES, Limits
+from habilis.models.limits import MAX_STATES, TooManyStatesError
 from habilis.models.protocol import VectorModel, action_names
 from habilis.progress import progress_bar
 
@@ -59,7 +59,8 @@ def shortest_way(
     first = np.array([described.initial if state is None else state], np.int64)
     found = InternedRows(first.shape[1])
     found.add(first)
-    limits, levels, done = Limits(None, max_states), [], 0
+    levels: list[tuple[int, Int32[np.ndarray, "n A"]]] = []
+    done = 0
     with progress_bar("states", show_progress) as report:
         while done < len(found):
             start, frontier = done, len(found)
@@ -77,7 +78,11 @@ def shortest_way(
                     last = done - len(rows) + int(source), int(action)
                     return _traced(described, found, levels, last, int(numbers[source, action]))
                 if len(found) > max_states:
-                    raise limits.exceeded(done, len(levels))
+                    raise TooManyStatesError(
+                        f"more than {max_states:,} states are met before a terminal one, "
+                        f"{len(levels) + 1} actions from the first: raise max_states if there is "
+                        "memory for it"
+                    )
                 report(done, len(found))
             levels.append((start, np.concatenate(leads)))
     return None

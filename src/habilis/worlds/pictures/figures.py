@@ -79,8 +79,8 @@ class Drawn(Protocol):
     @property
     def walls(self) -> frozenset[Cell]: ...
 
-    def drawings(self) -> list[Drawing]:
-        """All but walls and floor, from the back to the front, in the coordinates of the map."""
+    def drawings(self, agent: bool = True) -> list[Drawing]:
+        """All but walls and floor, and the agent if need be, in the coordinates of the map."""
         ...
 
     def colored_text(self) -> Text:

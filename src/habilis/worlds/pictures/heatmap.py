@@ -13,7 +13,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import ListedColormap
 from matplotlib.text import Text
 
-from habilis.worlds.pictures.figures import draw_map, draw_shapes, repeated, things_of
+from habilis.worlds.pictures.figures import Drawn, draw_map, draw_shapes, repeated, things_of
 from habilis.worlds.pictures.shapes import SHAPES, Drawing, placed
 from habilis.worlds.world import Cell, World
 
@@ -28,7 +28,7 @@ _HALFWAY = 0.179  # the luminance on which black and white contrast alike
 
 def draw_heat(
     ax: Axes,
-    world: World,
+    world: World | Drawn,
     values: Float[np.ndarray, "rows columns"],
     *,
     vmin: float | None = None,
@@ -41,7 +41,7 @@ def draw_heat(
 
     Args:
         ax: where to draw; its limits, aspect and frame are set to fit the world.
-        world: the map, and where can and tool are.
+        world: the map, and where can and tool are; or a puzzle, whose bodies are behind the values.
         values: in any unit; NaN where there is none (walls, the cells of the can and the tool).
         vmin, vmax: the ends of the colour scale; by default those of the values.
         labels: whether to print the values, to one decimal, where the cells are large enough.
@@ -60,12 +60,17 @@ def draw_heat(
             f"{values.shape}; give one for every cell, NaN where there is none"
         )
     draw_map(ax, world, {})
+    tile, things = SHAPES["floor"][-1], {}  # less the grid lines
+    if isinstance(world, World):
+        things = things_of(world, world.agent if agent else None)
+    else:  # its bodies are behind the values, and as large as they are
+        draw_shapes(ax, world.drawings(agent))
+        (tile,) = placed(SHAPES["plate"], 0.12, 0.12, 0.76)
     valued = np.argwhere(np.isfinite(values))
-    heat = repeated(ax, SHAPES["floor"][-1], valued.astype(float), cmap=HEAT)  # less the grid lines
+    heat = repeated(ax, tile, valued.astype(float), cmap=HEAT)
     heat.set_array(values[tuple(valued.T)])
     heat.set_clim(*scale_of(values, vmin, vmax))
     ax.add_collection(heat, autolim=False)
-    things = things_of(world, world.agent if agent else None)
     above = {cell: labels and bool(np.isfinite(values[cell])) for cell in things}
     draw_shapes(ax, [_small(cell, things[cell], above_label=above[cell]) for cell in things])
     if labels:
@@ -102,7 +107,7 @@ def draw_scale(heat: PolyCollection, label: str, **place) -> Colorbar:
     return bar
 
 
-def _set_title(ax: Axes, world: World, title: str) -> None:
+def _set_title(ax: Axes, world: World | Drawn, title: str) -> None:
     """A title as wide as the map, if the font can be made small enough."""
     text = ax.set_title(title)
     box = ax.get_window_extent()
