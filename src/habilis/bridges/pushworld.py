@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float64, Int, Int64
 
 from habilis.bridges.bodies import ACTIONS, Body, Collisions
 from habilis.bridges.pushworld_text import parsed
+from habilis.bridges.puzzle_states import check_apart, check_on_map, check_rows
 from habilis.files import shown, text_of
 from habilis.worlds.grid import Cell
 
@@ -157,23 +158,18 @@ class PushWorld:
         from habilis.bridges.pushing import pushed  # Numba takes long to import
 
         states, actions = np.asarray(states, np.int64), np.asarray(actions, np.int64)
-        cells = self.shape[0] * self.shape[1]
-        if states.ndim != 2 or states.shape[1] != len(self.bodies):
-            raise ValueError(
-                f"{self.name}: states have shape {states.shape}; give [n, {len(self.bodies)}], a "
-                "cell for each body"
-            )
-        for what, values, count in (("cell", states, cells), ("action", actions, len(ACTIONS))):
-            if values.size and not 0 <= values.min() <= values.max() < count:
-                wrong = values[(values < 0) | (values >= count)][0]
-                raise ValueError(
-                    f"{self.name}: there is no {what} {wrong}; give one from 0 to {count - 1}"
-                )
+        check_rows(self.name, states, actions, len(self.bodies), self.shape)
         most = len(self.bodies) if self.most_pushed is None else self.most_pushed
         return pushed(self._collisions, most, np.ascontiguousarray(states), actions)
 
     def solved(self, state: State) -> bool:
         """Whether every goal is filled in a state.
+
+        Args:
+            state: any.
+
+        Returns:
+            `True` if so; never without goals.
 
         Raises:
             ValueError: there is no such state.
@@ -181,7 +177,14 @@ class PushWorld:
         return bool(self.terminal_many(np.array([self._checked(state)]))[0])
 
     def terminal_many(self, states: Int[np.ndarray, "n k"]) -> Bool[np.ndarray, "n"]:
-        """Which of some states are solved, and end an episode."""
+        """Which of some states are solved, and end an episode.
+
+        Args:
+            states: int[n, k], one state a row.
+
+        Returns:
+            bool[n].
+        """
         solved = np.full(len(states), bool(self.goals))
         places = {body.name: place for place, body in enumerate(self.bodies)}
         for goal in self.goals:
@@ -195,11 +198,26 @@ class PushWorld:
         actions: Int[np.ndarray, "n"],
         next_states: Int[np.ndarray, "n k"],
     ) -> Float64[np.ndarray, "n"]:
-        """The rewards of transitions: 0 into a solved state, -1 otherwise."""
+        """The rewards of transitions.
+
+        Args:
+            states, actions: before, and what is done; they do not matter.
+            next_states: int[n, k], the states that are entered.
+
+        Returns:
+            float64[n], 0 for solved ones, -1 otherwise.
+        """
         return np.where(self.terminal_many(next_states), 0.0, -1.0)
 
     def factors_many(self, states: Int[np.ndarray, "n k"]) -> dict[str, Int64[np.ndarray, "n 2"]]:
-        """The cells (row, column) of all bodies in some states, by their factors."""
+        """The cells of all bodies in some states.
+
+        Args:
+            states: int[n, k], one state a row.
+
+        Returns:
+            By the factor's name int64[n, 2], row and column.
+        """
         cells = np.stack(np.divmod(states, self.shape[1]), axis=-1)
         names = [AGENT, *(f"{OBJECT}{name}" for name in self.objects)]
         return {name: cells[:, place] for place, name in enumerate(names)}
@@ -207,21 +225,17 @@ class PushWorld:
     def at(self, state: State) -> "PushWorld":
         """The puzzle that starts in another state.
 
+        Args:
+            state: any in which nothing overlaps.
+
+        Returns:
+            Another puzzle; this one stays as it is.
+
         Raises:
             ValueError: there is no such state.
         """
         bodies = self._moved(self._checked(state))
-        taken = dict.fromkeys(self.walls, "a wall")
-        for body in bodies:
-            for cell in body.covered():
-                own = body is bodies[0] and cell in self.agent_walls
-                if own or cell in taken:
-                    other = taken.get(cell, "a wall of its own")
-                    raise ValueError(
-                        f"{self.name}: in the state {state!r:.80} the {body.name} and {other} are "
-                        f"both at {cell}; give cells at which nothing overlaps"
-                    )
-                taken[cell] = f"the {body.name}"
+        check_apart(self.name, state, bodies, self.walls, self.agent_walls)
         return replace(self, bodies=bodies)
 
     def without(self, name: str, state: State | None = None) -> "PushWorld":
@@ -264,7 +278,14 @@ class PushWorld:
         return replace(there.without(name), walls=walls)
 
     def drawings(self, agent: bool = True) -> "list[Drawing]":
-        """The goals and bodies as a picture shows them, with the agent or without it."""
+        """The goals and bodies as a picture shows them.
+
+        Args:
+            agent: whether the agent is among them.
+
+        Returns:
+            The drawings from the back to the front, in cells of the map.
+        """
         from habilis.bridges.puzzle_shapes import puzzle_drawings
 
         return puzzle_drawings(self, agent)
@@ -299,6 +320,9 @@ class PushWorld:
                 else comes there, puts it where there is room.
             objects: those of movables, by their names.
 
+        Returns:
+            Another puzzle; this one stays as it is.
+
         Raises:
             ValueError: there is no such movable, or bodies and walls would overlap.
         """
@@ -318,6 +342,9 @@ class PushWorld:
 
         Args:
             name: as in `objects`, or with "object:" before it.
+
+        Returns:
+            Its index in a state, from 1 up.
 
         Raises:
             ValueError: there is no such movable.
@@ -355,19 +382,7 @@ class PushWorld:
         Raises:
             ValueError: it is none.
         """
-        rows, columns = self.shape
-        if len(state) != len(self.bodies):
-            raise ValueError(
-                f"{self.name}: the state {state!r:.80} has {len(state)} cells; give one for each "
-                f"of the {len(self.bodies)} bodies"
-            )
-        for body, label, (down, right) in zip(self.bodies, state, self._room, strict=True):
-            row, column = divmod(label, columns)
-            if not (0 <= row < down and 0 <= column < right):
-                raise ValueError(
-                    f"{self.name}: in the state {state!r:.80} the {body.name} is not on the map of "
-                    f"{rows} x {columns} cells; give cells at which it is"
-                )
+        check_on_map(self.name, state, self.bodies, self._room, self.shape)
         return state
 
     @cached_property
