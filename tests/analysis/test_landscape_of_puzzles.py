@@ -31,10 +31,10 @@ def test_every_cell_with_room_for_the_agent_has_the_value_of_that_state():
 
 def test_movables_can_be_put_elsewhere():
     found = hb.landscape(ROOM, 2, "object:m1", object={"m1": (3, 1)})
-    assert found.world.initial == (0, 7, 13)
+    assert found.world == ROOM.at((0, 7, 13))
     assert np.isnan(found.values[3, 0])
     away = hb.landscape(ROOM, 2, object={"m1": (0, 0)})  # the agent makes room
-    assert away.world.initial == (1, 7, 0)
+    assert away.world == ROOM.at((1, 7, 0))
 
 
 def test_slips_make_values_smaller():

@@ -80,7 +80,9 @@ def test_rewards_and_ends_are_those_of_worlds():
     np.testing.assert_array_equal(mdp.terminal, solved)
     np.testing.assert_array_equal(mdp.reward, np.where(solved[mdp.next_state], 0, -1))
     assert solved.sum() == 3
-    assert hb.solve(mdp).best_return == -1
+    plan = hb.solve(mdp)
+    assert plan is not None
+    assert plan.best_return == -1
 
 
 def test_a_puzzle_without_goals_is_never_solved():

@@ -80,7 +80,9 @@ def test_a_picture_has_any_format_and_size(tmp_path):
 def test_a_plan_becomes_a_video(tmp_path):
     puzzle = PushWorld.parse("A M0 . G0\n. . . .")
     mdp = hb.explore(puzzle)
-    states = [puzzle.at(mdp.state(state)) for state in hb.solve(mdp).states]
+    plan = hb.solve(mdp)
+    assert plan is not None
+    states = [puzzle.at(mdp.state(state)) for state in plan.states]
     hb.save_video(states, tmp_path / "plan.gif", cell=CELL)
     with Image.open(tmp_path / "plan.gif") as video:
         frames = [np.asarray(image.convert("RGB")) for image in ImageSequence.Iterator(video)]

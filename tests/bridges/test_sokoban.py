@@ -79,6 +79,7 @@ def test_a_level_is_solved_when_every_goal_holds_some_box():
     mdp = hb.explore(parsed_level("#@$ . $.#"))
     assert hb.solve(mdp) is None  # the second box cannot be reached but through the first
     plan = hb.solve(hb.explore(parsed_level("#@ $ .#\n#     #")))
+    assert plan is not None
     assert [level.actions[action] for action in plan.actions] == ["right", "right", "right"]
     assert plan.best_return == -2
 

@@ -36,13 +36,16 @@ def test_the_plan_is_that_of_the_table(text):
 def test_nothing_is_expanded_beyond_the_nearest_goal():
     puzzle = PushWorld.parse("A M0 G0 . . . . . . .")
     assert shortest_way(puzzle, max_states=2) is not None
-    assert shortest_way(puzzle, (0, 1)).actions == (1,)
+    way = shortest_way(puzzle, (0, 1))
+    assert way is not None
+    assert way.actions == (1,)
     with pytest.raises(TooManyStatesError, match="more than 5 states"):
         shortest_way(PushWorld.parse("A M0 . . . . . . . G0"), max_states=5)
 
 
 def test_a_way_from_a_solved_state_has_an_action():
     way = shortest_way(PushWorld.parse("A . M0+G0 ."))
+    assert way is not None
     assert way.actions == (0,)
     assert way.best_return == 0
 
@@ -51,5 +54,6 @@ def test_a_way_from_a_solved_state_has_an_action():
 def test_a_plan_is_no_longer_than_the_reference_solution():
     puzzle = hb.load_pushworld(SHARED / "puzzles/level1/Pick A Tool.pwp")
     way = shortest_way(puzzle)
+    assert way is not None
     assert len(way.actions) <= 18
     assert puzzle.terminal_many(np.array(way.states)).argmax() == len(way.actions)
