@@ -58,7 +58,7 @@ def test_a_target_without_company_has_no_rows():
     assert frame.columns == ["object", "bits", "lost_fixed", "lost_removed"]
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=10)
 @given(puzzles(), st.integers(0, 3), st.lists(st.integers(0, 3), max_size=8))
 def test_losses_are_those_of_the_plain_model(text, horizon, actions):
     puzzle, slow = PushWorld.parse(text), SlowPuzzle(text)

@@ -187,7 +187,7 @@ def test_transitions_are_those_of_the_plain_model(text, actions):
         assert puzzle.solved(state) == slow.solved(slow_state)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=15)
 @given(puzzles(), st.integers(0, 6))
 def test_object_empowerment_is_that_of_the_plain_model(text, horizon):
     puzzle, slow = PushWorld.parse(text), SlowPuzzle(text)
