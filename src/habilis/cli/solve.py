@@ -7,7 +7,6 @@ import habilis
 from habilis.cli.arguments import Args, add_most, add_world, max_states
 from habilis.cli.output import print_json, shows_progress
 from habilis.cli.puzzles import puzzle_of
-from habilis.models.search import Way, shortest_way
 from habilis.progress import progress_bar
 from habilis.worlds.plans import Plan, check_certain
 from habilis.worlds.world import load_world
@@ -24,8 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Args) -> int:
     puzzle = puzzle_of(args, args.world)
     if puzzle is not None:
-        way = shortest_way(puzzle, None, max_states(args), show_progress=shows_progress(args))
-        return _print(args, way, puzzle.actions)
+        limits = {"max_states": max_states(args), "show_progress": shows_progress(args)}
+        return _print(args, habilis.solve(puzzle, **limits), puzzle.actions)
     world = check_certain(load_world(args.world, args.tool))
     mdp = habilis.tabulate(world, max_states=max_states(args), show_progress=shows_progress(args))
     with progress_bar("solving", shows_progress(args)):
@@ -33,7 +32,7 @@ def run(args: Args) -> int:
     return _print(args, plan, mdp.actions)
 
 
-def _print(args: Args, plan: Plan | Way | None, names: Sequence[str]) -> int:
+def _print(args: Args, plan: Plan | None, names: Sequence[str]) -> int:
     if args.json:
         print_json(
             {"steps": None, "return": None, "actions": None}

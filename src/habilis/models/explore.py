@@ -104,12 +104,16 @@ def explored(
 
 
 def explore_to_end(
-    model: AnyModel, states: Sequence[Any] | None = None, max_states: int = MAX_STATES
+    model: AnyModel,
+    states: Sequence[Any] | None = None,
+    max_states: int = MAX_STATES,
+    *,
+    show_progress: bool = False,
 ) -> TabularMDP:
     """As `explore`, but no further than to the nearest terminal states."""
     terminal = many(model, "terminal")
     until = None if terminal is None else lambda newest: bool(np.any(terminal(newest)))
-    return explored(model, states, Limits(None, max_states, until), False)
+    return explored(model, states, Limits(None, max_states, until), show_progress)
 
 
 def is_gymnasium(model: Any) -> bool:

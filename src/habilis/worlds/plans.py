@@ -8,6 +8,7 @@ from jaxtyping import Float, Float64, Int64
 
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore_to_end
+from habilis.models.limits import MAX_STATES
 from habilis.transitions import Transitions
 from habilis.worlds.world import World
 
@@ -35,7 +36,13 @@ class Plan:
         return len(self.actions)
 
 
-def solve(model: AnyModel, start: Any = None) -> Plan | None:
+def solve(
+    model: AnyModel,
+    start: Any = None,
+    *,
+    max_states: int = MAX_STATES,
+    show_progress: bool = False,
+) -> Plan | None:
     """A shortest plan, by breadth-first search.
 
     Of several, the one whose states were met first: lower states and actions win.
@@ -44,13 +51,15 @@ def solve(model: AnyModel, start: Any = None) -> Plan | None:
         model: a table; or any other model, which is explored no further than the plan goes.
         start: the state to begin in, an index or, of a model, a state of its own (of a world a
             placement); by default the model's initial state.
+        max_states: how many states of a model to accept, as in `explore`.
+        show_progress: whether to draw a progress bar on standard error while a model is explored.
 
     Returns:
         The plan (at least one step long: what counts is entering a terminal state), or `None`
         if no terminal state can be reached.
 
     Raises:
-        ValueError: there is no such state.
+        ValueError: there is no such state, or more than max_states are met before a plan is found.
 
     Example:
         >>> class Line:
@@ -66,7 +75,8 @@ def solve(model: AnyModel, start: Any = None) -> Plan | None:
         Plan(actions=(1, 1, 1), states=(0, 1, 2, 3), best_return=0.0)
     """
     if not isinstance(model, TabularMDP):
-        mdp = explore_to_end(model, None if start is None else [start])
+        starts = None if start is None else [start]
+        mdp = explore_to_end(model, starts, max_states, show_progress=show_progress)
         plan = solve(mdp)
         if plan is None or mdp.model_states is None:
             return plan
