@@ -188,3 +188,30 @@ def test_a_table_that_no_configuration_changes_is_one_source():
     assert first == second
     assert hash(first) == hash(second)
     assert first != source_of(hb.Config(world=PRIZES.slippery(0.1)))
+
+
+def test_a_puzzle_is_trained_on_and_watched_as_it_is_drawn(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rod.pwp").write_text("A M1 M1 AW M0 G0 .\n. . . W . . .\n")
+    quick = ["--algorithm", "q-learning", "--episodes", "400", "--runs", "1"]
+    assert main(["train", "rod.pwp", *quick, "--episode-limit", "50", "--out", "run"]) == 0
+    capsys.readouterr()
+    assert main(["watch", "run", "--gif", "rod.gif"]) == 0
+    shown = capsys.readouterr().out
+    assert ". . A 1 1 0G. " in shown
+    assert "right, right" in shown
+    assert (tmp_path / "rod.gif").read_bytes().startswith(b"GIF")
+    (tmp_path / "rod.pwp").unlink()
+    assert main(["watch", "run"]) == 0
+    assert "states 0, " in capsys.readouterr().out
+    assert main(["watch", "run", "--gif", "again.gif"]) == 2
+    assert "rod.pwp" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("limit", [1, 50])
+def test_where_nothing_can_be_gained_there_is_nothing_to_learn(tmp_path, limit):
+    text = "A . . . G0 M0\n" if limit == 1 else "A . . M0 W G0\n"
+    (tmp_path / "far.pwp").write_text(text)
+    config = hb.Config(world=str(tmp_path / "far.pwp")).changed(rollout=1, episode_limit=limit)
+    with pytest.raises(ValueError, match=f"every policy earns -{limit} within {limit} steps, so"):
+        hb.train(config)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from habilis.bridges.bodies import Body
-from habilis.bridges.pushworld import Goal, PushWorld
+from habilis.bridges.pushworld import Goal, PushWorld, load_pushworld
 from habilis.files import shown, text_of
 from habilis.worlds.grid import Cell
 
@@ -19,6 +19,9 @@ _TEXT = re.compile(r"\s*[;'\":A-Za-z]")  # how titles, authors and comments begi
 
 Row = list[tuple[str, int]]
 """The characters of a row, each with its column in the file, from 1."""
+
+_PUSHWORLD = re.compile(r".+\.pwp", re.IGNORECASE | re.DOTALL)
+_SOKOBAN = re.compile(r"(.+\.xsb)(?:#(\d+))?", re.IGNORECASE | re.DOTALL)
 
 
 def load_sokoban(path: str | Path, level: int = 0) -> PushWorld:
@@ -127,3 +130,15 @@ def _decoded(line: str) -> list[Row]:
         elif count:  # of nothing: an unknown character
             rows[-1].append((count, token.start() + 1))
     return rows if len(rows) == 1 or rows[-1] else rows[:-1]
+
+
+def puzzle_named(name: str) -> PushWorld | None:
+    """The puzzle in a file; `None` if the name is not that of such a file.
+
+    Raises:
+        ValueError: the file is none.
+    """
+    if _PUSHWORLD.fullmatch(name):
+        return load_pushworld(name)
+    level = _SOKOBAN.fullmatch(name)
+    return None if level is None else load_sokoban(level[1], int(level[2] or 0))

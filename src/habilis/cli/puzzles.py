@@ -1,28 +1,12 @@
 """Puzzle files, which stand where the command line takes a world."""
 
-import re
 from collections.abc import Sequence
 from typing import Any
 
-from habilis.bridges.pushworld import PushWorld, load_pushworld
-from habilis.bridges.sokoban import load_sokoban
+from habilis.bridges.pushworld import PushWorld
+from habilis.bridges.sokoban import puzzle_named
 from habilis.cli.arguments import Args
 from habilis.worlds.grid import Cell
-
-_PUSHWORLD = re.compile(r".+\.pwp", re.IGNORECASE | re.DOTALL)
-_SOKOBAN = re.compile(r"(.+\.xsb)(?:#(\d+))?", re.IGNORECASE | re.DOTALL)
-
-
-def puzzle_named(name: str) -> PushWorld | None:
-    """The puzzle in a file; `None` if the name is not that of such a file.
-
-    Raises:
-        ValueError: the file is none.
-    """
-    if _PUSHWORLD.fullmatch(name):
-        return load_pushworld(name)
-    level = _SOKOBAN.fullmatch(name)
-    return None if level is None else load_sokoban(level[1], int(level[2] or 0))
 
 
 def puzzle_of(args: Args, name: str, without: Sequence[str] = ("tool",)) -> PushWorld | None:

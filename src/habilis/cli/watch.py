@@ -3,17 +3,22 @@
 import argparse
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from habilis.cli.arguments import Args, parse_positive
 from habilis.cli.output import console, print_json, save, shows_progress
 from habilis.extras import import_from
 from habilis.files import VIDEOS
+from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.text import Text
+
+    from habilis.learning.runs import Run
 
 HELP: str = "replay a trained agent"
 EXAMPLE: str = "habilis watch runs/toe --run 2 --gif toe.gif"
@@ -35,7 +40,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Args) -> int:
     from habilis.worlds.pictures.figures import colored_text
     from habilis.worlds.pictures.video import check_video, save_gif, save_mp4
-    from habilis.worlds.table import placement
     from habilis.worlds.world import World
 
     if args.mp4:
@@ -47,16 +51,11 @@ def run(args: Args) -> int:
     episode = replay.play(run, args.run, seed=args.seed)
     mdp = replay.table_of(run)
     stochastic = mdp.is_stochastic
-    drawn = isinstance(run.world, World)
-    asked = drawn and (run.config.starts or stochastic)
+    on_map = isinstance(run.world, World)
+    asked = on_map and (run.config.starts or stochastic)
     shares = replay.success(run, args.run) if asked else None
-    expected = None if drawn else replay.expected_return(run, args.run)
-    if (args.gif or args.mp4) and not drawn:
-        raise ValueError(
-            f"{args.folder}: was trained on a table, which has no pictures; leave out "
-            f"{'--gif' if args.gif else '--mp4'}"
-        )
-    frames = [placement(run.map, mdp, state) for state in episode.states] if drawn else []
+    expected = None if on_map else replay.expected_return(run, args.run)
+    frames = _frames(args, run, mdp, episode.states)
     videos = [(path, write) for path, write in ((args.mp4, save_mp4), (args.gif, save_gif)) if path]
     for path, write in videos:
         with progress_bar("drawing", shows_progress(args)):
@@ -82,7 +81,7 @@ def run(args: Args) -> int:
     print(", ".join(names[action] for action in episode.actions))
     failed = "the goal is not reached" if stochastic else "the policy goes round in circles"
     end = "the goal is reached" if episode.finished else failed
-    if not drawn:
+    if not on_map:
         end = "the episode ends" if episode.finished else "the episode is truncated"
     print(f"{end}: {len(episode.actions)} steps, return {episode.episode_return:g}")
     so_far = "" if ended else ", as the last checkpoint has it: training has not ended"
@@ -97,6 +96,35 @@ def run(args: Args) -> int:
     for path, _ in videos:
         print(f"video: {path}")
     return 0 if episode.finished else 1
+
+
+def _frames(args: Args, run: "Run", mdp: TabularMDP, states: tuple[int, ...]) -> list[Any]:
+    """An episode's states as pictures show them; none of a table that has no pictures.
+
+    Raises:
+        ValueError: a video is asked for, and there are no pictures.
+    """
+    from habilis.worlds.table import placement
+    from habilis.worlds.world import World
+
+    if isinstance(run.world, World):
+        return [placement(run.world, mdp, state) for state in states]
+    sources = import_from("habilis.learning.sources", "learn")
+    try:
+        puzzle = sources.puzzle_of(run.config)
+    except ValueError:
+        if args.gif or args.mp4:
+            raise
+        puzzle = None
+    if puzzle is not None:  # its factors are the cells of its bodies
+        cells = np.stack([*mdp.factors.values()], axis=1)[[*states]].tolist()
+        return [puzzle.at(tuple(row)) for row in cells]
+    if args.gif or args.mp4:
+        video = "--gif" if args.gif else "--mp4"
+        raise ValueError(
+            f"{args.folder}: was trained on a table, which has no pictures; leave out {video}"
+        )
+    return []
 
 
 def _animate(screen: "Console", frames: "list[Text]", seconds: float) -> None:

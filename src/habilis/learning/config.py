@@ -45,7 +45,7 @@ class Config:
         default="corridor",
         metadata={
             "help": 'a built-in world\'s name; the path of a map, a saved table (".npz") or a '
-            'puzzle (".pwp"); "gym:ID"; or a table itself',
+            'puzzle (".pwp", ".xsb"); "gym:ID"; or a table itself',
             "static": False,
         },
     )

@@ -1,16 +1,24 @@
 """The sources of training problems: worlds, and tables that no map was made of."""
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from habilis.cache import table_digest
 from habilis.learning.config import BY_DIGEST, Config
 from habilis.mdp import TabularMDP
+from habilis.models import explore
 from habilis.worlds.world import World, load_world
 
+if TYPE_CHECKING:
+    from habilis.bridges.pushworld import PushWorld
+
 GYM = "gym:"
-TABLE, PUSHWORLD = ".npz", ".pwp"
-"""Suffixes of files that are no maps."""
+TABLE = ".npz"
+"""Of the file of a table."""
+
+_PUZZLE = re.compile(r".+\.(pwp|xsb(#\d+)?)", re.IGNORECASE | re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -52,7 +60,21 @@ def names_table(world: str | TabularMDP) -> bool:
     """Whether the world of a configuration is a table, and not a map."""
     if isinstance(world, TabularMDP):
         return True
-    return world.startswith((GYM, BY_DIGEST)) or Path(world).suffix in (TABLE, PUSHWORLD)
+    file = Path(world).suffix == TABLE or _PUZZLE.fullmatch(world)
+    return world.startswith((GYM, BY_DIGEST)) or bool(file)
+
+
+def puzzle_of(config: Config) -> "PushWorld | None":
+    """The puzzle whose file a configuration names, if it names one.
+
+    Raises:
+        ValueError: the file cannot be read, or is none.
+    """
+    if not isinstance(config.world, str) or not _PUZZLE.fullmatch(config.world):
+        return None
+    from habilis.bridges.sokoban import puzzle_named
+
+    return puzzle_named(config.world)
 
 
 def source_of(config: Config) -> Source:
@@ -73,11 +95,8 @@ def source_of(config: Config) -> Source:
         found = NamedTable.of(named, table_named(env), limit_named(env))
     elif Path(named).suffix == TABLE:
         found = NamedTable.of(Path(named).stem, TabularMDP.load(named))
-    elif Path(named).suffix == PUSHWORLD:
-        from habilis.bridges import load_pushworld
-        from habilis.models import explore
-
-        found = NamedTable.of(Path(named).stem, explore(load_pushworld(named)))
+    elif (puzzle := puzzle_of(config)) is not None:
+        found = NamedTable.of(puzzle.name, explore(puzzle))
     else:
         raise ValueError(
             f"world is {named!r}, which only the folder of its run has; give the table"

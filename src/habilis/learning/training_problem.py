@@ -17,6 +17,7 @@ from habilis.worlds.plans import best_returns, distances, policy_returns, solve
 from habilis.worlds.table import tabulate
 
 _SHARE, _GAIN = 0.05, 2.0
+_NOTHING = 1e-9
 
 KEPT = 16
 """How many worlds are kept for the jobs that share them."""
@@ -150,6 +151,9 @@ def margin(world: Source, conditions: Conditions, limit: int) -> float:
     Returns:
         0.9 in a world, where a step costs 1. Of a table, whose rewards have any size, 5 % of what
         the best policy gains over the one that chooses uniformly.
+
+    Raises:
+        ValueError: that is nothing.
     """
     if not isinstance(world, NamedTable):
         return MARGIN
@@ -157,7 +161,13 @@ def margin(world: Source, conditions: Conditions, limit: int) -> float:
     there = problem.mdp.available
     uniform = there / np.maximum(there.sum(axis=1, keepdims=True), 1)
     random = policy_returns(problem.mdp, uniform, limit)[problem.seen].mean()
-    return _SHARE * (best_return(world, conditions, limit) - float(random))
+    gain = best_return(world, conditions, limit) - float(random)
+    if gain <= _NOTHING:
+        raise ValueError(
+            f"{world.name}: every policy earns {random:g} within {limit} steps, so there is "
+            "nothing to learn; check that its goal can be reached, or raise episode_limit"
+        )
+    return _SHARE * gain
 
 
 def prepared(config: Config) -> tuple[Config, Source]:
