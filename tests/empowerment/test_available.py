@@ -139,6 +139,16 @@ def test_a_dead_end_counts_for_its_own_horizon_alone():
     assert latency(mdp, 3, "state").tolist() == [1, np.inf, np.inf, np.inf]
 
 
+@settings(max_examples=30, deadline=None)
+@given(SEEDS, st.integers(65, 300))
+def test_long_horizons_through_noisy_sensors_are_those_of_the_labels(seed: int, horizon: int):
+    rng = np.random.default_rng(seed)
+    mdp = TabularMDP.deterministic(random_table(rng))
+    labels = rng.integers(3, size=mdp.states)
+    through_labels = hb.empowerment(mdp, horizon, labels)
+    assert np.allclose(hb.empowerment(mdp, horizon, np.eye(3)[labels]), through_labels, atol=1e-9)
+
+
 def test_an_action_that_may_come_to_be_unavailable_is_not_sure():
     # Action 1 leads to 1 or 2 alike; in 2 only action 0 is available: after it, 1 is not sure.
     P = np.zeros((3, 2, 3))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.limits import Limits, too_much
 from habilis.empowerment.tabular.beliefs import TooManyBeliefsError, unheard
 from habilis.empowerment.tabular.cost import check_effort, check_samples, most_entries
@@ -51,7 +52,8 @@ def _soonest(problem: Problem) -> Problem:
     from habilis.empowerment.tabular.eventual import same_horizon
     from habilis.empowerment.tabular.spreading import Graph
 
-    table = problem.successors.state.reshape(-1, problem.successors.actions)
+    table = problem.successors.next_state
+    table, _ = with_nowhere(table, np.zeros(len(table), np.int32))
     return replace(problem, horizon=same_horizon(Graph.of(table), problem.horizon))
 
 
