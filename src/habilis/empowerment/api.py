@@ -115,8 +115,10 @@ def empowerment(
             explored as h actions can reach from the states asked about; or a Gymnasium environment.
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
-            empowerment, "object:can" where there are several), int[S] or bool[S] labels, or
-            float[S, O] probabilities of observations (also scipy.sparse). Or several names, as in
+            empowerment, "object:can" where there are several), int[S] or bool[S] labels,
+            float[S, O] probabilities of observations (also scipy.sparse), or float[A, S, O], where
+            the observation depends on the last action a too, and on the state that it led to (the
+            next state's, as in a POMDP; no action, no observation). Or several names, as in
             "object:can + object:ball" and "object:can * object:ball": the sum or the product of
             the values through each, which are in `unit`. That is not a joint sensor.
         actions: the action indices that sequences are made of; by default all.

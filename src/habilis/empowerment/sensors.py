@@ -13,15 +13,23 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 Sensor = str | ArrayLike | Any
-"""A factor's name, "state" for all of it, int[S] or bool[S] labels, or float[S, O] probabilities.
+"""A factor's name, "state" for all of it, int[S] or bool[S] labels, float[S, O] probabilities, or
+float[A, S, O], those of what is observed after an action in the state that it led to.
 """
 
 
 def is_noisy(sensor: Sensor) -> bool:
     """Whether a sensor is given as probabilities of observations."""
-    return is_sparse(sensor) or (
-        not isinstance(sensor, str) and as_array("sensor", sensor).ndim == 2
-    )
+    return is_sparse(sensor) or _dimensions(sensor) in (2, 3)
+
+
+def is_by_action(sensor: Sensor) -> bool:
+    """Whether what is observed depends on the last action too."""
+    return not is_sparse(sensor) and _dimensions(sensor) == 3
+
+
+def _dimensions(sensor: Sensor) -> int:
+    return 0 if isinstance(sensor, str) else as_array("sensor", sensor).ndim
 
 
 def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
@@ -30,10 +38,11 @@ def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
     Args:
         mdp: the table.
         sensor: as in `observations`, or float[S, O], dense or scipy.sparse, the probability of
-            each observation in each state.
+            each observation in each state; or float[A, S, O], after each action.
 
     Returns:
-        sparse float64[S, O].
+        sparse float64[S, O]; of a sensor that depends on the last action float64[A * S, O], in row
+        `a * S + s` what is observed in state s after action a.
 
     Raises:
         ValueError: as in `observations`, or rows that are not one distribution a state.
@@ -45,6 +54,8 @@ def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
         ones = np.ones(mdp.states)
         return csr_array((ones, labels, np.arange(mdp.states + 1)), (mdp.states, count))
     given: Any = sensor if is_sparse(sensor) else as_array("sensor", sensor)
+    if given.ndim == 3:
+        return _after_actions(mdp, given)
     rows, columns = shape_of(given)
     if columns == 1 and given.dtype.kind in "biu":
         raise ValueError(
@@ -59,6 +70,24 @@ def observation_probabilities(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
             + ("; its columns sum to 1: transpose it" if turned and _adds_up(given) else "")
         )
     return row_stochastic("sensor", given, "state {}", "states")
+
+
+def _after_actions(mdp: TabularMDP, given: np.ndarray) -> "csr_array":
+    from scipy.sparse import csr_array, vstack
+
+    wanted = mdp.action_count, mdp.states
+    if given.shape[:2] != wanted:
+        turned = given.shape[1::-1] == wanted
+        raise ValueError(
+            f"sensor has shape {given.shape}; give [actions, states, observations], here "
+            f"({mdp.action_count}, {mdp.states}, observations)"
+            + (", as .swapaxes(0, 1) has them" if turned else "")
+        )
+    each = [
+        row_stochastic(f"sensor, action {action}", one, "state {}", "states")
+        for action, one in enumerate(given)
+    ]
+    return csr_array(vstack(each, format="csr"))
 
 
 def _adds_up(matrix: Any) -> bool:

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float64, Int32, Int64
+from jaxtyping import Bool, Float64, Int32, Int64
 
 from habilis.compiled import compiled
 from habilis.mdp_arguments import UNAVAILABLE
@@ -41,7 +41,8 @@ class Beliefs:
     """The beliefs reachable with h actions.
 
     Attributes:
-        states: int32[N], the states that can be reached at all.
+        states: int32[N], the states that can be reached at all; or the observations, where the
+            last action leads to these.
         matrix: float64[K, N], a distribution over them each row; no two rows alike. Sparse where
             every row is certain of one state.
         steps: for each of the h actions (parent int32[K_t], action int32[K_t]): from which row
@@ -67,13 +68,20 @@ class Successors:
     """The transitions under the chosen actions, as flat arrays for the kernels.
 
     Row `s * A + a` of a sparse matrix: `state[first[row]:first[row + 1]]` are the next states,
-    none where the action is not available.
+    none where the action is not available. `seen`, if given, is sparse float64[S * A, O]: what is
+    observed if the action is the last one (see `outcomes`).
     """
 
     first: Int64[np.ndarray, "rows_and_one"]
     state: Int32[np.ndarray, "entries"]
     probability: Float64[np.ndarray, "entries"]
     actions: int
+    seen: "csr_array | None" = None
+
+    @property
+    def states(self) -> int:
+        """S, how many states there are."""
+        return (len(self.first) - 1) // self.actions
 
     @cached_property
     def always_available(self) -> bool:
@@ -169,7 +177,7 @@ def followed(
 
 def wandered(
     successors: Successors, start: int, draws: Float64[np.ndarray, "n h"]
-) -> tuple[Int32[np.ndarray, "N"], Float64[np.ndarray, "k N"]]:
+) -> tuple[Int32[np.ndarray, "N"], Float64[np.ndarray, "k N"], Bool[np.ndarray, "n"]]:
     """As `followed`, of sequences drawn step by step, uniformly from what is surely available.
 
     Those that come to where nothing surely is are left out.
@@ -178,10 +186,13 @@ def wandered(
         successors: the transitions.
         start: the state.
         draws: a uniform number from [0, 1) for each step of each sequence.
+
+    Returns:
+        Those two, and which sequences are complete.
     """
     states, local = _around(successors, start, draws.shape[1])
     matrix, complete = _wander(draws, local.first, local.state, local.probability, local.actions)
-    return states, matrix[complete]
+    return states, matrix[complete], complete
 
 
 def states_within(

@@ -9,8 +9,9 @@ from jaxtyping import Float64, Int64
 
 from habilis.channels.capacity_solver import best_inputs
 from habilis.empowerment.limits import Limits, takes, too_much
-from habilis.empowerment.tabular.beliefs import beliefs_after, states_within
+from habilis.empowerment.tabular.beliefs import states_within
 from habilis.empowerment.tabular.open_loop import Problem, drawn, solve_channel
+from habilis.empowerment.tabular.outcomes import outcomes_after
 from habilis.probabilities import shape_of
 
 _PROBED, _LEAST_PROBED = 17, 3  # states looked at, from all over ...
@@ -46,9 +47,10 @@ def check_effort(
             the largest horizon that fits.
     """
     successors, horizon = problem.successors, problem.horizon
-    states, actions = shape_of(problem.sensor)[0], successors.actions
+    states, actions = successors.states, successors.actions
     if successors.certain:  # beliefs are states: so many are gone through, or make a channel
         worst = np.log(max(horizon * actions, _width(problem, np.array([float(states)]))[0]))
+        worst += np.log(_rows(problem))
     else:
         worst = horizon * np.log(actions)
     worst += np.log(states) + np.log(max(len(starts), 1))
@@ -167,7 +169,7 @@ def _probe(
     steps = np.minimum(np.arange(1.0, horizon - known + 1), 200 / np.log10(max(factor, 1.01)))
     beliefs = np.concatenate([counts, counts[-1] * factor**steps])
     if successors.certain:
-        beliefs = np.minimum(beliefs, reached)
+        beliefs = np.minimum(beliefs, reached * _rows(problem))
     entries = beliefs * wide
     followed = beliefs if successors.certain else entries
     parents = np.cumsum(8 * beliefs + _STEP)  # how each belief came about
@@ -179,7 +181,7 @@ def _probe(
 
 def _compile(problem: Problem, start: int) -> None:
     """Does once what is timed later: the first time, it is compiled, for many seconds."""
-    beliefs = beliefs_after(problem.successors, start, min(1, problem.horizon))
+    beliefs = outcomes_after(problem.successors, start, min(1, problem.horizon))
     solve_channel(problem, beliefs.states, beliefs.matrix)
     best_inputs(np.array([[0.9, 0.1], [0.2, 0.8]]), 1e-6)
 
@@ -188,10 +190,18 @@ def _width(
     problem: Problem, reached: Float64[np.ndarray, "horizons"]
 ) -> Float64[np.ndarray, "horizons"]:
     """Numbers in a row at most: of a belief or, where it is one state, of its channel."""
+    if problem.successors.seen is not None:
+        seen = np.full_like(reached, shape_of(problem.sensor)[1])
+        return seen if problem.successors.certain else np.maximum(reached, seen)
     if not problem.successors.certain:
         return reached
     seen = int(np.diff(problem.sensor.indptr).max(initial=1))
     return np.minimum(reached * seen, shape_of(problem.sensor)[1])
+
+
+def _rows(problem: Problem) -> int:
+    """Rows of a channel at most for each belief that is one state."""
+    return 1 if problem.successors.seen is None else problem.successors.actions
 
 
 def _tried(
@@ -203,14 +213,14 @@ def _tried(
     """
     successors = problem.successors
     depth, counts, took, spent = 0, [1.0], 0.0, 0.0
-    beliefs = beliefs_after(successors, start, 0)
+    beliefs = outcomes_after(successors, start, 0)
     while depth < problem.horizon and counts[-1]:
         entries = counts[-1] * successors.actions * wide[depth + 1]
         if depth > 0 and (entries > _ENTRIES or spent > _TRIAL):
             break
         depth += 1
         began = time.thread_time()
-        beliefs = beliefs_after(successors, start, depth)
+        beliefs = outcomes_after(successors, start, depth)
         took = time.thread_time() - began
         spent += took
         counts.append(float(len(beliefs.steps[-1][0])))

@@ -1,25 +1,24 @@
 """The open-loop empowerment of one state where outcomes or the sensor are uncertain."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
 
 from habilis.channels.capacity_solver import best_inputs
-from habilis.empowerment.sensors import Sensor, observation_probabilities
+from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.empowerment.tabular.beliefs import (
     SAME,
     Beliefs,
     Successors,
-    beliefs_after,
     distinct,
-    followed,
     unheard,
-    wandered,
 )
+from habilis.empowerment.tabular.outcomes import followed, outcomes_after, wandered
 from habilis.mdp import TabularMDP
+from habilis.probabilities import shape_of
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -33,7 +32,8 @@ class Problem:
 
     Attributes:
         successors: the transitions under the chosen actions.
-        sensor: sparse float64[S, O], what is perceived in each state.
+        sensor: sparse float64[S, O], what is perceived in each state; the identity of the
+            observations where the last action leads to these (`Successors.seen`).
         horizon: h, in actions.
         tolerance: the gap to reach, in bits.
         most_entries: how many numbers the beliefs of one state may be.
@@ -64,7 +64,34 @@ def problem_of(
             transitions = transitions[rows.ravel()]
     successors = successors_of(transitions, len(actions))
     seen = observation_probabilities(mdp, sensor)
+    if is_by_action(sensor):
+        successors, seen = _leading_to_observations(successors, seen, actions)
     return Problem(successors, seen, horizon, tolerance, most_entries)
+
+
+def _leading_to_observations(
+    successors: Successors, seen: "csr_array", actions: Int64[np.ndarray, "A"]
+) -> tuple[Successors, "csr_array"]:
+    """The successors and the sensor where the last action leads to observations.
+
+    Args:
+        successors: the transitions under the chosen actions.
+        seen: as `observation_probabilities` returns it, of all actions.
+        actions: those chosen.
+    """
+    from scipy.sparse import csr_array, eye_array, vstack
+
+    states, count = successors.states, successors.actions
+    moves = csr_array(
+        (successors.probability, successors.state, successors.first), (states * count, states)
+    )
+    each = [
+        moves[place::count] @ seen[action * states : (action + 1) * states]
+        for place, action in enumerate(actions.tolist())
+    ]
+    by_state = np.arange(states * count).reshape(count, states).T.ravel()
+    after = csr_array(vstack(each, format="csr"))[by_state]
+    return replace(successors, seen=after), csr_array(eye_array(shape_of(seen)[1]))
 
 
 @dataclass(frozen=True)
@@ -116,7 +143,7 @@ def exact(
     Raises:
         TooManyBeliefsError: there are more beliefs than `most_entries` allows.
     """
-    beliefs = beliefs_after(
+    beliefs = outcomes_after(
         problem.successors, start, problem.horizon, problem.most_entries, report
     )
     answer = solve_channel(problem, beliefs.states, beliefs.matrix)
@@ -165,7 +192,8 @@ def solve_channel(
     channel, observations = np.ascontiguousarray(channel[:, possible]), observations[possible]
     rows = rows.astype(np.int64)
     inputs = np.full(len(channel), 1 / max(len(channel), 1))
-    merged = _merging_error(len(states), problem.horizon, len(observations))
+    hidden = 0 if problem.successors.seen is None else problem.successors.states
+    merged = _merging_error(len(states) + hidden, problem.horizon, len(observations))
     if len(channel) <= 1 or len(observations) == 1:
         return Answer(0.0, 0.0, channel, observations, rows, inputs)
     if (channel.max(axis=1) == 1).all():  # no noise is left: all inputs alike

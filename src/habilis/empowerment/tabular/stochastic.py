@@ -54,7 +54,9 @@ def _soonest(problem: Problem) -> Problem:
 
     table = problem.successors.next_state
     table, _ = with_nowhere(table, np.zeros(len(table), np.int32))
-    return replace(problem, horizon=same_horizon(Graph.of(table), problem.horizon))
+    apart = 0 if problem.successors.seen is None else 1  # the last action, to observations
+    horizon = same_horizon(Graph.of(table), problem.horizon - apart) + apart
+    return replace(problem, horizon=horizon)
 
 
 def lower_bounds(
