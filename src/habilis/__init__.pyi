@@ -10,6 +10,8 @@ from habilis.analysis import to_dataframe as to_dataframe
 from habilis.analysis import tool_ranking as tool_ranking
 from habilis.bridges import load_pushworld as load_pushworld
 from habilis.bridges import load_sokoban as load_sokoban
+from habilis.bridges.cassandra import POMDP as POMDP
+from habilis.bridges.cassandra import load_pomdp as load_pomdp
 from habilis.channels import Capacity as Capacity
 from habilis.channels import ConvergenceWarning as ConvergenceWarning
 from habilis.channels import capacity as capacity
