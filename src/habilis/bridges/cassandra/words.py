@@ -1,5 +1,6 @@
 """The words of a file in Cassandra's format, each with its line."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -19,6 +20,7 @@ KEYWORDS = (
     "O",
     "R",
 )
+_SIGN = re.compile(r"(?<!\S)([+-])\s+(?=[\d.])")  # a sign may stand apart from its number
 RESERVED = {*KEYWORDS, "reward", "cost", "uniform", "identity", "reset", "include", "exclude", "*"}
 
 
@@ -46,7 +48,7 @@ class Words:
     def of(cls, name: str, text: str) -> "Words":
         words, lines = [], []
         for number, line in enumerate(text.splitlines(), 1):
-            here = line.partition("#")[0].replace(":", " : ").split()
+            here = _SIGN.sub(r"\1", line.partition("#")[0]).replace(":", " : ").split()
             words += here
             lines += [number] * len(here)
         return cls(name, words, lines)
