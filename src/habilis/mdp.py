@@ -88,8 +88,8 @@ class TabularMDP:
             actions. Where `reward` is not its mean over next states, and without it, every outcome
             earns `reward`.
         cells: the factors whose labels are cells of `shape`; `None`: all but "held" and "laid".
-        model_states: the states of the model that `explore` made the table of, or the names of states
-            in a file, if any.
+        model_states: the states of the model that `explore` made the table of, or the names that a
+            file has for them, if any.
     """
 
     transitions: "Int32[np.ndarray, 'S A'] | csr_array"
