@@ -65,7 +65,7 @@ def test_pairs_of_states_and_actions_are_read(seed: int, shuffled: bool):
         s_indices, a_indices = s_indices[order], a_indices[order]
     Q, rewards = sparse.csr_array(P[s_indices, a_indices]), R[s_indices, a_indices]
 
-    (pairs, states), actions = Q.shape, a_indices.max() + 1
+    pairs, states, actions = len(rewards), len(P), a_indices.max() + 1
     place = s_indices, np.arange(pairs)
     each = [sparse.csr_array((a_indices == a, place), (states, pairs)) @ Q for a in range(actions)]
     reward = np.zeros((states, actions))
