@@ -30,7 +30,7 @@ test-studio: $(INSTALLED) studio/node_modules
 test-studies: $(INSTALLED)
 	$(BIN)/python -m pytest tests/studies/bonuses/test_studies.py
 
-# With torch, Stable-Baselines3 and gymnax, in an environment of their own.
+# With torch, Stable-Baselines3, gymnax and Storm, in an environment of their own.
 test-integration: $(APART)/installed
 	$(APART)/bin/python -m pytest tests/integration tests/envs/test_functional.py
 
@@ -110,14 +110,14 @@ bench: $(INSTALLED)
 bench-sb3: $(APART)/installed
 	$(APART)/bin/habilis bench sb3
 
-# torch, Stable-Baselines3 and gymnax are no dependencies of ours, and heavy.
+# torch, Stable-Baselines3 and gymnax are no dependencies of ours, and heavy; so is Storm.
 $(APART)/installed: pyproject.toml constraints-integration.txt
 	$(PYTHON) -m venv $(APART)
 	$(APART)/bin/python -m pip install --quiet --disable-pip-version-check \
 		--constraint constraints-integration.txt torch==2.13.0
 	$(APART)/bin/python -m pip install --quiet --disable-pip-version-check \
 		--constraint constraints-integration.txt \
-		stable-baselines3==2.9.2 gymnax==1.0.1 six pytest beartype --editable ".[learn,gymnasium]"
+		stable-baselines3==2.9.2 gymnax==1.0.1 six pytest beartype --editable ".[learn,gymnasium,storm]"
 	touch $@
 
 $(INSTALLED): pyproject.toml constraints.txt

@@ -12,6 +12,7 @@ _OF_EXTRA = {
     "video": ("imageio_ffmpeg", "moviepy"),
     "sweep": ("optuna", "ray"),
     "studio": ("starlette", "uvicorn", "websockets"),
+    "storm": ("stormpy",),
 }
 
 

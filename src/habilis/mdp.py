@@ -65,8 +65,8 @@ class ModelStates(Protocol):
 class TabularMDP:
     """A finite MDP; state and action are indices.
 
-    Made by `deterministic`, `stochastic`, `from_gymnasium`, of a model by `explore`, of a world by
-    `tabulate`, or read by `load`.
+    Made by `deterministic`, `stochastic`, `from_gymnasium`, `from_storm`, of a model by `explore`,
+    of a world by `tabulate`, or read by `load` and `load_pomdp`.
 
     Attributes:
         transitions: where actions lead. Deterministic: int32[S, A], the next state. Stochastic:
@@ -258,6 +258,44 @@ class TabularMDP:
         from habilis.bridges.gymnasium import table_of
 
         return table_of(env, max_states, seed, key, ignore, state, factors, show_progress)
+
+    @classmethod
+    def from_storm(
+        cls,
+        model: Any,
+        constants: str = "",
+        *,
+        reward: str | None = None,
+        terminal: str | None = None,
+    ) -> "TabularMDP":
+        """The table of a DTMC, MDP or POMDP in a language that the model checker Storm reads.
+
+        Needs `habilis[storm]`. Actions are the labels of choices; of several choices with one label
+        in a state the second is an action of its own, as in "move 2"; those without a label are
+        "[]", "[] 2", ... A DTMC has one action. An action is available in the states that have such
+        a choice. In a deadlock, where Storm adds a self-loop, none is.
+
+        Args:
+            model: the path of a model: `.jani`; `.drn`; `.tra`, with the `.lab` of the same name
+                beside it; or else in PRISM's language. Or a PrismProgram, a JaniModel or a sparse
+                model of `stormpy`.
+            constants: the values of constants that the model leaves open, as "N=4,p=0.1".
+            reward: the name of the reward model; by default the only one, if there is one. Rewards
+                of states and of actions are added.
+            terminal: the label of the states in which episodes end; by default none does.
+
+        Returns:
+            A table in Storm's order of states. Factors are the variables of the model, and of a
+            POMDP "observation"; flags are its labels of states.
+
+        Raises:
+            ValueError: Storm refuses the model, a constant has no value, it has several initial
+                states, is parametric or in continuous time, or lacks what is named.
+            MissingExtraError: stormpy is not installed.
+        """
+        from habilis.bridges.storm import table_of
+
+        return table_of(model, constants, reward, terminal)
 
     def save(self, path: str | Path) -> None:
         """Writes the table to a file, which `TabularMDP.load` reads.
