@@ -55,12 +55,14 @@ def test_it_has_the_value_of_each_agent_cell(found: hb.Landscape):
 def test_things_can_be_elsewhere_and_then_the_tool_is_in_hand():
     moved = hb.landscape(ROOM, 1, tool=(3, 1), object=(0, 2))
     assert sorted(map(tuple, np.argwhere(np.isfinite(moved.values)))) == [(2, 1), (3, 0), (3, 2)]
+    assert isinstance(moved.world, hb.World)
     assert (moved.world.tool_cell, moved.world.object) == ((3, 1), (0, 2))
     assert moved.world.walls == ROOM.walls
 
 
 def test_things_can_be_where_the_map_has_the_agent():
     on_start = hb.landscape(ROOM, 1, object=ROOM.agent)
+    assert isinstance(on_start.world, hb.World)
     assert on_start.world.object == ROOM.agent
     assert np.isnan(on_start.values[ROOM.agent])
 

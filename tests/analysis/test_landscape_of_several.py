@@ -43,6 +43,7 @@ def test_random_outcomes_count():
 
 def test_things_can_be_put_anywhere():
     found = hb.landscape(ROOM, 2, "object:can", tool={"rake": (0, 0)}, object={"ball": (3, 0)})
+    assert isinstance(found.world, hb.World)
     assert found.world.tools[1].cell == (0, 0)
     assert found.world.objects[1].cell == (3, 0)
     assert np.isnan(found.values[0, 0])
