@@ -66,7 +66,7 @@ def test_a_map_that_is_no_text_is_refused(text: Any):
         ("a\0b", r"no such world \(embedded null"),
         (
             "gym:FrozenLake-v1",
-            r"a Gymnasium environment.*habilis empowerment takes.*from_gym",
+            r"a Gymnasium environment.*habilis empowerment and train take.*from_gym",
         ),
         (None, "world is None; give a built-in world's name or the path of a map file"),
         (b"yard", "world is b'yard'; give a built-in world's name"),

@@ -403,8 +403,8 @@ def _not_a_world(name: str, error: Exception) -> str:
         return f"no such world (this is the text of a map); {known} (World.parse reads map text)"
     if name.startswith(ENVIRONMENT):
         return (
-            "no such world (it is a Gymnasium environment, which habilis empowerment and train take, "
-            f"and in Python TabularMDP.from_gymnasium); here {known}"
+            "no such world (it is a Gymnasium environment, which habilis empowerment and train "
+            f"take, and in Python TabularMDP.from_gymnasium); here {known}"
         )
     reason = getattr(error, "strerror", None) or error
     return f"no such world ({reason}); {known} (World.parse reads map text)"
