@@ -6,7 +6,7 @@ from PIL import Image, ImageSequence
 
 import habilis as hb
 from habilis.bridges import PushWorld
-from habilis.bridges.sokoban import parsed_level
+from habilis.bridges.puzzles.sokoban import parsed_level
 from habilis.worlds.pictures import save_picture
 from habilis.worlds.pictures.figures import colored_text, frame
 from habilis.worlds.pictures.shapes import BLUE, LEAF, PAPER, RED

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from slow_pushworld import DIRECTIONS, SlowPuzzle
 
 import habilis as hb
-from habilis.bridges.sokoban import parsed_level
+from habilis.bridges.puzzles.sokoban import parsed_level
 
 TWO = """\
 ; 0

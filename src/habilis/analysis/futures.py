@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float64, Int32, Int64
 from numpy.typing import ArrayLike
 
-from habilis.bridges.bodies import ACTIONS as PUZZLE_ACTIONS
-from habilis.bridges.pushworld import PushWorld
+from habilis.bridges.puzzles.bodies import ACTIONS as PUZZLE_ACTIONS
+from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.channels.capacity import warn_of_gap
 from habilis.empowerment.arguments import (
     Unit,

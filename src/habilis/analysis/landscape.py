@@ -10,7 +10,7 @@ from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
 from habilis.analysis.landscape_states import asked, asked_of_puzzle
-from habilis.bridges.pushworld import PushWorld
+from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.methods import Exact, bounds_of
 from habilis.empowerment.old_keywords import takes_old_keywords

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from habilis.bridges.pushworld import PushWorld
+from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.empowerment.arguments import whole_number
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import HELD, LAID, TabularMDP

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float64
 
-from habilis.bridges.pushworld import OBJECT, PushWorld, State
+from habilis.bridges.puzzles.pushworld import OBJECT, PushWorld, State
 from habilis.empowerment.api import empowerment
 from habilis.empowerment.arguments import whole_number
 from habilis.empowerment.methods import Exact, checked_method

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from habilis.bridges.pushworld import PushWorld
+from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.cli.arguments import (
     TOOLS,
     Args,

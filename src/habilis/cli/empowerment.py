@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import habilis
-from habilis.bridges.pushworld import PushWorld
+from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.cli.arguments import (
     Args,
     action_indices,

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from habilis.bridges.pushworld import PushWorld
-from habilis.bridges.sokoban import puzzle_named
+from habilis.bridges.puzzles.pushworld import PushWorld
+from habilis.bridges.puzzles.sokoban import puzzle_named
 from habilis.cli.arguments import Args
 from habilis.worlds.grid import Cell
 

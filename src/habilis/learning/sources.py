@@ -12,7 +12,7 @@ from habilis.models import explore
 from habilis.worlds.world import World, load_world
 
 if TYPE_CHECKING:
-    from habilis.bridges.pushworld import PushWorld
+    from habilis.bridges.puzzles.pushworld import PushWorld
 
 GYM = "gym:"
 TABLE = ".npz"
@@ -72,7 +72,7 @@ def puzzle_of(config: Config) -> "PushWorld | None":
     """
     if not isinstance(config.world, str) or not _PUZZLE.fullmatch(config.world):
         return None
-    from habilis.bridges.sokoban import puzzle_named
+    from habilis.bridges.puzzles.sokoban import puzzle_named
 
     return puzzle_named(config.world)
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from habilis.bridges.bodies import Body
-from habilis.bridges.pushworld import Goal, PushWorld, load_pushworld
+from habilis.bridges.puzzles.bodies import Body
+from habilis.bridges.puzzles.pushworld import Goal, PushWorld, load_pushworld
 from habilis.files import shown, text_of
 from habilis.worlds.grid import Cell
 

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Int64
 
-from habilis.bridges.bodies import STEPS, Collisions
+from habilis.bridges.puzzles.bodies import STEPS, Collisions
 from habilis.compiled import compiled
 
 

@@ -29,7 +29,7 @@ from habilis.worlds.pictures.shapes import (
 )
 
 if TYPE_CHECKING:
-    from habilis.bridges.pushworld import PushWorld
+    from habilis.bridges.puzzles.pushworld import PushWorld
 
 _WITH_GOAL = (RED, GREEN, VIOLET, YELLOW, "#c08414", "#5b6270")
 """The colours of movables that have a goal of their own."""

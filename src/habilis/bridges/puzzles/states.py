@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from jaxtyping import Int64
 
-from habilis.bridges.bodies import ACTIONS, Body
+from habilis.bridges.puzzles.bodies import ACTIONS, Body
 from habilis.worlds.grid import Cell
 
 

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING
 
 from rich.text import Text
 
-from habilis.bridges.puzzle_shapes import body_colours, ink_on
+from habilis.bridges.puzzles.shapes import body_colours, ink_on
 from habilis.worlds.grid import Cell
 
 if TYPE_CHECKING:
-    from habilis.bridges.pushworld import PushWorld
+    from habilis.bridges.puzzles.pushworld import PushWorld
 
 _WALL, _AGENT_WALL, _FLOOR = (
     ("##", "#5b6270 on #5b6270"),

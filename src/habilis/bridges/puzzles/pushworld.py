@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int, Int64
 
-from habilis.bridges.bodies import ACTIONS, Body, Collisions
-from habilis.bridges.pushworld_text import parsed
-from habilis.bridges.puzzle_states import check_apart, check_on_map, check_rows
+from habilis.bridges.puzzles.bodies import ACTIONS, Body, Collisions
+from habilis.bridges.puzzles.pushworld_text import parsed
+from habilis.bridges.puzzles.states import check_apart, check_on_map, check_rows
 from habilis.files import shown, text_of
 from habilis.worlds.grid import Cell
 
@@ -155,7 +155,7 @@ class PushWorld:
         Raises:
             ValueError: there is no such state or action.
         """
-        from habilis.bridges.pushing import pushed  # Numba takes long to import
+        from habilis.bridges.puzzles.pushing import pushed  # Numba takes long to import
 
         states, actions = np.asarray(states, np.int64), np.asarray(actions, np.int64)
         check_rows(self.name, states, actions, len(self.bodies), self.shape)
@@ -286,7 +286,7 @@ class PushWorld:
         Returns:
             The drawings from the back to the front, in cells of the map.
         """
-        from habilis.bridges.puzzle_shapes import puzzle_drawings
+        from habilis.bridges.puzzles.shapes import puzzle_drawings
 
         return puzzle_drawings(self, agent)
 
@@ -296,7 +296,7 @@ class PushWorld:
         `A` is the agent, a number a movable, `G` with a number its goal, `##` a wall, and `//` one
         for the agent alone. A `G` after another character is a goal under it.
         """
-        from habilis.bridges.puzzle_text import colored
+        from habilis.bridges.puzzles.colored_text import colored
 
         return colored(self)
 
