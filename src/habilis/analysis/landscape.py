@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
-from habilis.analysis.landscape_states import asked, asked_of_puzzle
+from habilis.analysis.landscape_states import PlainMap, asked, asked_of_model, asked_of_puzzle
 from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.methods import Exact, bounds_of
@@ -17,6 +17,7 @@ from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor
 from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
+from habilis.models.explore import AnyModel
 from habilis.worlds.placements import Factors
 from habilis.worlds.things import Where
 from habilis.worlds.world import World
@@ -44,7 +45,7 @@ class Landscape:
     """
 
     values: Float64[np.ndarray, "rows columns"]
-    world: World | PushWorld
+    world: World | PushWorld | PlainMap
     unit: str = "bits"
     title: str = ""
 
@@ -121,7 +122,7 @@ class Landscape:
 
 @takes_old_keywords
 def landscape(
-    world: World | PushWorld,
+    model: AnyModel,
     horizon: int,
     sensor: Sensor = "state",
     actions: ArrayLike | None = None,
@@ -136,8 +137,9 @@ def landscape(
     """Empowerment for every agent cell, all other things fixed.
 
     Args:
-        world: the map; or a puzzle, of which the agent's cell is that of its corner, and no more is
-            explored than the horizon reaches.
+        model: a map, or a puzzle, of which the agent's cell is that of its corner; no more of them
+            is explored than the horizon reaches. Or any other model or table whose factor "agent"
+            is a cell: the states are those that differ from its first state in that factor alone.
         horizon, sensor, actions: as in `empowerment`.
         slip: as in `tabulate`.
         tool, object: their cells; by default those of the map. The agent next to the tool has it
@@ -162,21 +164,30 @@ def landscape(
         ((10, 10), 1.0)
     """
     show = options.get("show_progress", False)
-    if isinstance(world, PushWorld):
-        if tool is not None or mdp is not None:
-            raise ValueError(f"{world.name} is a puzzle; leave out tool and mdp")
-        shown, mdp, states = asked_of_puzzle(world, horizon, object, show)
-        mdp = mdp.slippery(slip)
+    shown: World | PushWorld | PlainMap
+    if isinstance(model, World):
+        _check_table(model, slip, tool, mdp)
+        shown, mdp, states = asked(model, horizon, sensor, slip, tool, object, mdp, show)
     else:
-        _check_table(world, slip, tool, mdp)
-        shown, mdp, states = asked(world, horizon, sensor, slip, tool, object, mdp, show)
-    values = np.full(world.height * world.width, np.nan)
+        is_puzzle = isinstance(model, PushWorld)
+        if tool is not None or mdp is not None or (object is not None and not is_puzzle):
+            kind = (
+                "puzzle; leave out tool and mdp" if is_puzzle else "map; leave out tool and object"
+            )
+            name = model.name if is_puzzle else type(model).__name__
+            raise ValueError(f"{name} is {'a' if is_puzzle else 'no'} {kind}")
+        if isinstance(model, PushWorld):
+            shown, mdp, states = asked_of_puzzle(model, horizon, object, show)
+        else:
+            shown, mdp, states = asked_of_model(model, show)
+        mdp = mdp.slippery(slip)
+    values = np.full(shown.height * shown.width, np.nan)
     bits = empowerment(mdp, horizon, sensor, actions, states, **options)
     values[mdp.factor("agent")[states]] = bits
     bounds = bounds_of(options.get("method", Exact()))
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
     found = Landscape(
-        values=values.reshape(world.height, world.width),
+        values=values.reshape(shown.height, shown.width),
         world=shown,
         unit=options.get("unit", "bits"),
         title=f"{bounds}{horizon}-step empowerment{sensed}",

@@ -1,7 +1,8 @@
 """The states of a landscape: one for every cell of the agent."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,15 +10,19 @@ from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.empowerment.arguments import whole_number
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import HELD, LAID, TabularMDP
-from habilis.models.explore import explore
+from habilis.models.explore import AnyModel, explore
 from habilis.worlds.grid import STEPS
 from habilis.worlds.placements import Factors, with_agents
 from habilis.worlds.reach import MAX_STATES, TooManyPlacementsError, reachable
 from habilis.worlds.rules import NONE, Places
-from habilis.worlds.table import placements, tabulate
+from habilis.worlds.table import placements, tabulate, whole_table
 from habilis.worlds.things import Where, cells_of, moved
 from habilis.worlds.world import Cell, World
 
+if TYPE_CHECKING:
+    from rich.text import Text
+
+AGENT = "agent"
 _FEW = 300_000  # placements that are tabulated in an instant
 _SHARE = 8  # of all placements one in so many: above, tabulating all takes no longer
 
@@ -71,6 +76,58 @@ def asked_of_puzzle(
     steps = whole_number("horizon", horizon)
     mdp = explore(shown, states, steps, show_progress=show_progress)
     return shown, mdp, np.arange(len(states))
+
+
+@dataclass(frozen=True)
+class PlainMap:
+    """The map of a model of which nothing is known but its size, as pictures take it.
+
+    Attributes:
+        name: what messages call it.
+        height, width: rows and columns.
+    """
+
+    name: str
+    height: int
+    width: int
+    walls: frozenset[Cell] = frozenset()
+
+    def drawings(self, agent: bool = True) -> list[Any]:
+        """Nothing."""
+        return []
+
+    def colored_text(self) -> "Text":
+        """Dots."""
+        from rich.text import Text
+
+        return Text("\n".join([". " * self.width] * self.height))
+
+
+def asked_of_model(
+    model: AnyModel, show_progress: bool = False
+) -> tuple[PlainMap, TabularMDP, np.ndarray]:
+    """The same of any other model: the states that differ from the first in the agent's cell alone.
+
+    Raises:
+        ValueError: the agent has no cell, or several such states have it in the same one.
+    """
+    mdp, name = whole_table(model, show_progress), type(model).__name__
+    if mdp.shape is None or AGENT not in mdp.factors or not mdp.is_cell(AGENT):
+        raise ValueError(
+            f"{name} has no landscape: it needs a factor 'agent' whose labels are (row, column)"
+        )
+    same = np.ones(mdp.states, bool)
+    for factor, labels in mdp.factors.items():
+        same &= (labels == labels[mdp.start]) | (factor == AGENT)
+    states = np.flatnonzero(same)
+    cells, counts = np.unique(mdp.factor(AGENT)[states], return_counts=True)
+    if counts.max() > 1:
+        cell = divmod(int(cells[counts.argmax()]), mdp.shape[1])
+        raise ValueError(
+            f"{name} has {counts.max()} states with the agent at {cell} and all other factors as "
+            "in the first state; add factors that distinguish them"
+        )
+    return PlainMap(name, *mdp.shape), mdp, states
 
 
 def _agents(world: World, tools: list[Cell], objects: list[Cell]) -> list[Cell]:
