@@ -4,6 +4,8 @@ from habilis.envs.observations import Observation as Observation
 from habilis.envs.params import Empowerment as Empowerment
 from habilis.envs.params import Params as Params
 from habilis.envs.params import State as State
+from habilis.envs.pushworld import PushWorldEnv as PushWorldEnv
+from habilis.envs.pushworld import PushWorldVectorEnv as PushWorldVectorEnv
 from habilis.envs.reward import EmpowermentReward as EmpowermentReward
 from habilis.envs.reward import VectorEmpowermentReward as VectorEmpowermentReward
 from habilis.envs.table import TableEnv as TableEnv

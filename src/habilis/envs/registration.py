@@ -3,11 +3,13 @@
 import gymnasium
 from gymnasium.envs.registration import registry
 
+MAX_STEPS = 500
+
 _WORLDS = {"Corridor": {"world": "corridor"}, "Yard": {"world": "yard"}, "World": {}}
 
 
 def register() -> None:
-    """Registers "habilis/Corridor-v0", "habilis/Yard-v0" and "habilis/World-v0"."""
+    """Registers "habilis/Corridor-v0", "habilis/Yard-v0", "habilis/World-v0" and "PushWorld-v0"."""
     for name, arguments in _WORLDS.items():
         if f"habilis/{name}-v0" not in registry:
             gymnasium.register(
@@ -16,3 +18,10 @@ def register() -> None:
                 vector_entry_point="habilis.envs.world:WorldVectorEnv",
                 kwargs=arguments,
             )
+    if "habilis/PushWorld-v0" not in registry:
+        gymnasium.register(
+            "habilis/PushWorld-v0",
+            entry_point="habilis.envs.pushworld:PushWorldEnv",
+            vector_entry_point="habilis.envs.pushworld:PushWorldVectorEnv",
+            max_episode_steps=MAX_STEPS,
+        )

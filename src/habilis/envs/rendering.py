@@ -2,7 +2,7 @@
 
 import io
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import UInt8
@@ -12,6 +12,9 @@ from habilis.extras import import_from
 from habilis.mdp import TabularMDP
 from habilis.worlds.table import placement
 from habilis.worlds.world import World
+
+if TYPE_CHECKING:
+    from rich.text import Text
 
 MODES = ("ansi", "rgb_array", "human")
 FRAMES_PER_SECOND = 4
@@ -39,20 +42,25 @@ class Renderer:
 
     def text(self, state: int) -> str:
         """The map in the colours of a terminal, two characters a cell."""
-        from rich.console import Console
-
         from habilis.worlds.pictures.figures import colored_text
 
-        terminal = Console(
-            file=io.StringIO(), force_terminal=True, color_system="truecolor", highlight=False
-        )
-        with terminal.capture() as captured:
-            terminal.print(colored_text(placement(self.world, self.mdp, state)), soft_wrap=True)
-        return captured.get()
+        return in_terminal(colored_text(placement(self.world, self.mdp, state)))
 
     def picture(self, states: Any) -> UInt8[np.ndarray, "*n height width 3"]:
         assert self.draw is not None, "pictures are made in the modes that show them"
         return self.draw(states)
+
+
+def in_terminal(text: "Text") -> str:
+    """A text with the codes of its colours."""
+    from rich.console import Console
+
+    terminal = Console(
+        file=io.StringIO(), force_terminal=True, color_system="truecolor", highlight=False
+    )
+    with terminal.capture() as captured:
+        terminal.print(text, soft_wrap=True)
+    return captured.get()
 
 
 def check_mode(mode: Any) -> None:

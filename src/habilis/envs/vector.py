@@ -75,7 +75,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             raise ValueError(f"num_envs is {num_envs!r}; give a whole number of at least 1")
         shown = ranks(mdp) if observation is None else observation
         self.mdp, self.num_envs = mdp, num_envs
-        self._mode = _mode(autoreset_mode)
+        self._mode = autoreset_of(autoreset_mode)
         self.metadata = self.metadata | {"autoreset_mode": self._mode}
         self._transitions = Transitions.of(mdp)
         self._terminal, self._masks = mdp.ends, action_masks(mdp)
@@ -154,19 +154,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def _checked(self, actions: Any) -> Int[np.ndarray, "N"]:
         """The actions, some of them replaced by random ones if there is slip."""
-        chosen = as_array("actions", actions)
-        if chosen.shape != (self.num_envs,) or chosen.dtype.kind not in "iu":
-            raise ValueError(
-                f"actions have shape {chosen.shape} and type {chosen.dtype}; "
-                f"give {self.num_envs} whole numbers"
-            )
-        # As unsigned numbers negative ones are large: one comparison for both ends.
-        if chosen.astype(np.uint64).max() >= self._actions:
-            wrong = int(np.argmax((chosen < 0) | (chosen >= self._actions)))
-            raise ValueError(
-                f"action {chosen[wrong]} of environment {wrong} is unknown; "
-                f"use 0 to {self._actions - 1}"
-            )
+        chosen = checked_actions(actions, self.num_envs, self._actions)
         if self._masks is not None:
             chosen = self._available(chosen, self._masks)
         if self._slip:
@@ -214,21 +202,48 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def _final(self, mask: Bool[np.ndarray, "N"]) -> dict[str, Any]:
         """The last observations and infos of episodes that end, in Gymnasium's format."""
-        observations = np.full(self.num_envs, None, dtype=object)
-        for number, shown in zip(np.flatnonzero(mask), self._show(self.state[mask]), strict=True):
-            observations[number] = shown
-        info = self._info()
-        for value in info.values():  # the masks among them
-            value[~mask] = 0
-        return {
-            "final_obs": observations,
-            "_final_obs": mask.copy(),
-            "final_info": info,
-            "_final_info": mask.copy(),
-        }
+        return final_info(mask, self._show(self.state[mask]), self._info())
 
 
-def _mode(given: AutoresetMode | str) -> AutoresetMode:
+def checked_actions(actions: Any, num_envs: int, count: int) -> Int[np.ndarray, "N"]:
+    """The actions of a step.
+
+    Raises:
+        ValueError: they are not one of `count` for each environment.
+    """
+    chosen = as_array("actions", actions)
+    if chosen.shape != (num_envs,) or chosen.dtype.kind not in "iu":
+        raise ValueError(
+            f"actions have shape {chosen.shape} and type {chosen.dtype}; "
+            f"give {num_envs} whole numbers"
+        )
+    # As unsigned numbers negative ones are large: one comparison for both ends.
+    if chosen.astype(np.uint64).max() >= count:
+        wrong = int(np.argmax((chosen < 0) | (chosen >= count)))
+        raise ValueError(
+            f"action {chosen[wrong]} of environment {wrong} is unknown; use 0 to {count - 1}"
+        )
+    return chosen
+
+
+def final_info(
+    mask: Bool[np.ndarray, "N"], observations: Shaped[np.ndarray, "n *shape"], info: dict[str, Any]
+) -> dict[str, Any]:
+    """The last observations and infos of the n episodes that end, in Gymnasium's format."""
+    last = np.full(len(mask), None, dtype=object)
+    for number, shown in zip(np.flatnonzero(mask), observations, strict=True):
+        last[number] = shown
+    for value in info.values():  # the masks among them
+        value[~mask] = 0
+    return {
+        "final_obs": last,
+        "_final_obs": mask.copy(),
+        "final_info": info,
+        "_final_info": mask.copy(),
+    }
+
+
+def autoreset_of(given: AutoresetMode | str) -> AutoresetMode:
     try:
         return AutoresetMode(given)
     except ValueError:
