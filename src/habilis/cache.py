@@ -52,9 +52,11 @@ def fingerprint(*parts: Any) -> str:
 
 def table_digest(mdp: "TabularMDP") -> str:
     """A fingerprint of all in a table that training depends on, in 32 hexadecimal digits."""
+    cells = None if mdp.cells is None else sorted(mdp.cells)
     parts: list[Any] = [mdp.transitions, mdp.reward, mdp.terminal, mdp.start, mdp.entry_reward]
+    parts += [mdp.shape, cells, mdp.actions]
     for named in (mdp.factors, mdp.flags):
-        parts += [part for name, labels in sorted(named.items()) for part in (name, labels)]
+        parts += [part for pair in named.items() for part in pair]
     return fingerprint(*parts)[:32]
 
 

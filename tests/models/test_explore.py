@@ -1,6 +1,7 @@
 """The table of a model: every state that can be reached, and what the model says of it."""
 
 import random
+from fractions import Fraction
 from itertools import count
 from typing import Any
 
@@ -184,7 +185,7 @@ def test_protocols_recognise_their_models():
 
 CALLS = count()
 FAULTS = {
-    "returns None": (lambda s, a: None, r"step\(0, 0\) returns None; return the next state"),
+    "returns None": (lambda s, a: None, r"step\(0, 0\) returns a NoneType; return the next"),
     "an array": (lambda s, a: np.array([s]), r"step\(0, 0\) returns array\(\[0\]\), .* hashable"),
     "no pairs": (lambda s, a: [s, a], r"step\(0, 0\) has the outcome 0; give \(probability, state"),
     "half": (lambda s, a: [(0.5, s)], r"step\(0, 0\) has probabilities that sum to 0\.5; let them"),
@@ -234,8 +235,8 @@ def test_a_vectorised_model_cannot_change_the_states_it_is_given():
 def test_too_many_states_are_refused_with_how_far_it_came(line):
     endless = model(lambda state, action: state + 1)
     message = (
-        r"more than 1,000 states can be reached; 999 of them are expanded, those up to 999 actions "
-        "from the first: raise max_states"
+        r"more than 1,000 states can be reached; 999 of them are expanded, and the next is 999 "
+        "actions from the first: raise max_states"
     )
     with pytest.raises(TooManyStatesError, match=message):
         explore(endless, max_states=1000)
@@ -247,23 +248,19 @@ def test_too_many_states_are_refused_with_how_far_it_came(line):
 
 
 REFUSED = [
-    ({"model": 3}, "int is no model; give it actions and step"),
+    ({"model": 3}, "int is not a model; give it actions and step"),
     ({"states": []}, "states is empty"),
-    ({"states": [[1]]}, r"states has \[1\], which is not hashable"),
+    ({"states": [[1]]}, r"states has \[1\], which is not a hashable value"),
     ({"horizon": -1}, "horizon is -1; give a whole number from 0 up"),
     ({"horizon": 1.5}, "horizon is 1.5; give a whole number from 0 up"),
     ({"max_states": 0}, "max_states is 0; give a whole number from 1 up"),
     ({"model": model(lambda s, a: s, initial=None)}, "the model has no initial state"),
     ({"model": model(lambda s, a: s, actions=0)}, "the model's actions are 0; give different"),
     ({"model": model(lambda s, a: s, actions=("a", "a"))}, "actions are .* give different names"),
-    (
-        {"model": model(lambda s, a: s, available=lambda s: [2])},
-        r"available\(0\) has \[2\]; give ind",
-    ),
     ({"model": model(lambda s, a: s, terminal=lambda s: None)}, "terminal returns .*; return True"),
     (
         {"model": model(lambda s, a: s, reward=lambda *_: "x")},
-        "reward returns 'x'; return a number",
+        "reward returns 'x', or not one value for each",
     ),
     (
         {"model": model(lambda s, a: s, reward=lambda *_: 1e99)},
@@ -298,6 +295,84 @@ REFUSED = [
         r"available_many returns int64 of shape \(1, 1\); return bool of shape \(1, 2\)",
     ),
 ]
+
+
+REFUSED += [
+    (
+        {"model": model(lambda s, a: s, available=lambda s, given=given: given)},
+        r"available\(0\) ret",
+    )
+    for given in ([2], [-1], [1.0], [False, True], np.array([True, False]), None, 1.5)
+]
+REFUSED += [
+    ({"model": Line}, r"Line is a class; give an instance, as Line\(\)"),
+    ({"states": 3}, "states is 3; give a list of states"),
+    ({"model": Rows(), "states": [(0,), (0, 1)]}, "give a row of k integers for each state"),
+    ({"model": Rows(), "states": [(0,), (1,)], "max_states": 1}, "more than 1 states"),
+    (
+        {"model": model(lambda s, a: (x for x in [s]))},
+        r"step\(0, 0\) returns a generator; return the",
+    ),
+    (
+        {"model": model(lambda s, a: s, factors=lambda s: {"x": 2**40})},
+        "factor 'x' is 1099511627776 in state 0; labels are int32: use smaller numbers",
+    ),
+    (
+        {"model": model(lambda s, a: s, factors=lambda s: {"x": (70000, 70000)})},
+        "factor 'x' is 4900140000 in state 0; labels are int32",
+    ),
+    (
+        {"model": model(lambda s, a: a, factors=lambda s: {"x": s if s else (0, 1)})},
+        "factor 'x' has values of different kinds or lengths; give the same kind",
+    ),
+    (
+        {"model": model(lambda s, a: s, factors=lambda s: {"x": (0, 0)}, shape=5)},
+        r"the model's shape is 5; give \(rows, columns\)",
+    ),
+    (
+        {"model": type("One", (Rows,), {"reward_many": lambda self, s, a, t: 1.0})()},
+        r"reward returns 1\.0, or not one value for each transition",
+    ),
+    (
+        {"model": type("None", (Rows,), {"factors_many": lambda self, s: 3})()},
+        "factors_many returns 3; return a dict of arrays",
+    ),
+    (
+        {
+            "model": type(
+                "Wide", (Rows,), {"step_many": lambda self, s, a: s.astype("u8") + 2**63}
+            )()
+        },
+        r"step_many returns 9223372036854775808; use numbers below 2\*\*63",
+    ),
+]
+LATER = count()
+CHANGING = {
+    "reward": lambda s, a, t: float(next(CALLS)),
+    "terminal": lambda s: next(CALLS) % 3 == 0,
+    "factors": lambda s: {"x": next(CALLS) % 1000},
+    "available": lambda s: [int(next(LATER) > 9)],
+}
+
+
+@pytest.mark.parametrize("name", CHANGING)
+def test_every_function_of_a_model_has_to_return_the_same_again(name):
+    line = model(lambda s, a: min(max(s + 2 * a - 1, -9), 9), **{name: CHANGING[name]})
+    with pytest.raises(ValueError, match=rf"{name}.* returns something else the second time"):
+        explore(line)
+
+
+def test_probabilities_may_be_of_any_type_of_number():
+    for half in (np.float32(0.5), Fraction(1, 2)):
+        mdp = explore(model(lambda s, a, half=half: [(half, a), (half, 1 - a)]))
+        assert mdp.transition(0).toarray().tolist() == [[0.5, 0.5], [0.5, 0.5]]
+    rough = model(lambda s, a: [(np.float32(0.1), 0), (np.float32(0.9), 1)])
+    assert explore(rough).transition(0).toarray()[0] == pytest.approx([0.1, 0.9], abs=1e-6)
+
+
+def test_states_and_the_number_of_actions_may_be_given_in_any_way():
+    assert explore(Line(), states=(state for state in (1, 2))).state(1) == 2
+    assert explore(model(lambda s, a: a, actions=np.int64(2))).action_count == 2
 
 
 @pytest.mark.ill_typed
@@ -377,3 +452,20 @@ def test_empowerment_explores_no_further_than_the_horizon():
 def test_a_models_states_have_no_numbers_for_a_sensor():
     with pytest.raises(ValueError, match=r"a model's states have no numbers yet; .* or explore it"):
         hb.empowerment(Line(), 2, [0, 1, 2, 3, 4])
+
+
+@pytest.mark.parametrize("start", [3, 4])
+def test_a_plan_from_a_terminal_state_goes_no_further_than_it_must(start):
+    forth = model(lambda s, a: s + 1 if a else s, terminal=lambda s: s >= 3)
+    plan = hb.solve(forth, start, max_states=50)
+    assert plan is not None
+    assert plan.actions == (0,)
+    away = model(lambda s, a: s + 1, terminal=lambda s: s in (0, 30))
+    far = hb.solve(away, 0, max_states=100)
+    assert far is not None
+    assert far.steps == 30
+
+
+def test_a_stochastic_model_has_no_plan():
+    with pytest.raises(ValueError, match="the model is stochastic, so that no sequence of actions"):
+        hb.solve(Slippery())

@@ -1,6 +1,6 @@
 """From a model to its table: breadth first through all states that can be reached."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import singledispatch
 from typing import Any
 
@@ -19,7 +19,7 @@ AnyModel = Any
 
 def explore(
     model: AnyModel,
-    states: Sequence[Any] | None = None,
+    states: Iterable[Any] | None = None,
     horizon: int | None = None,
     max_states: int = MAX_STATES,
     *,
@@ -70,7 +70,7 @@ def explore(
 
 @singledispatch
 def explored(
-    model: Any, states: Sequence[Any] | None, limits: Limits, show_progress: bool
+    model: Any, states: Iterable[Any] | None, limits: Limits, show_progress: bool
 ) -> TabularMDP:
     """As `explore`, with checked limits; other types of models register their own way."""
     if is_gymnasium(model):
@@ -81,16 +81,21 @@ def explored(
             )
         most = limits.max_states
         return TabularMDP.from_gymnasium(model, max_states=most, show_progress=show_progress)
+    if isinstance(model, type):
+        raise ValueError(f"{model.__name__} is a class; give an instance, as {model.__name__}()")
     if not isinstance(model, Model | VectorModel):
         raise ValueError(
-            f"{type(model).__name__} is no model; give it actions and step(state, action), or "
+            f"{type(model).__name__} is not a model; give it actions and step(state, action), or "
             "step_many(states, actions)"
         )
     if states is None:
         if (initial := getattr(model, "initial", None)) is None:
             raise ValueError("the model has no initial state; give states=[...]")
         states = [initial]
-    if len(states) == 0:
+    if not isinstance(states, Iterable):
+        raise ValueError(f"states is {states!r:.80}; give a list of states")
+    states = list(states)
+    if not states:
         raise ValueError("states is empty; give at least one state")
     with progress_bar("states", show_progress) as report:
         if isinstance(model, VectorModel):
@@ -110,10 +115,25 @@ def explore_to_end(
     *,
     show_progress: bool = False,
 ) -> TabularMDP:
-    """As `explore`, but no further than to the nearest terminal states."""
+    """As `explore`, but no further than it takes to enter a terminal state."""
     terminal = many(model, "terminal")
     until = None if terminal is None else lambda newest: bool(np.any(terminal(newest)))
-    return explored(model, states, Limits(None, max_states, until), show_progress)
+    near = explored(model, states, Limits(0, max_states), False)
+    if terminal is None or not near.terminal[near.start]:
+        return explored(model, states, Limits(None, max_states, until), show_progress)
+    # From a terminal state, the nearest one to enter may be itself, which is no new state.
+    horizon, before = 1, 0
+    while True:
+        near = explored(model, states, Limits(horizon, max_states), show_progress)
+        if near.states == before or near.is_stochastic:
+            return near
+        entered = near.terminal[near.next_state] & (near.next_state >= 0)
+        entered &= (near.next_state != np.arange(near.states)[:, None]) | (
+            near.next_state == near.start
+        )
+        if entered.any():
+            return near
+        horizon, before = 2 * horizon, near.states
 
 
 def is_gymnasium(model: Any) -> bool:

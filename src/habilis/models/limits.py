@@ -53,8 +53,8 @@ class Limits:
         give = "give a horizon" if self.horizon is None else "give a lower horizon"
         return TooManyStatesError(
             f"more than {self.max_states:,} states can be reached{within}; {expanded:,} of them "
-            f"are expanded, those up to {level} actions from the first: raise max_states if there "
-            f"is memory for it, {give}, or leave out of the states what no later step depends on"
+            f"are expanded, and the next is {level} actions from the first: raise max_states if "
+            f"there is memory for it, {give}, or leave out of the states what no later step needs"
         )
 
 

@@ -103,8 +103,8 @@ def action_names(model: Model | VectorModel) -> tuple[tuple[str, ...], int]:
         ValueError: they are no names and no number.
     """
     given = model.actions
-    if isinstance(given, int) and not isinstance(given, bool) and given > 0:
-        return (), given
+    if isinstance(given, int | np.integer) and not isinstance(given, bool) and given > 0:
+        return (), int(given)
     names = tuple(given) if isinstance(given, Sequence) and not isinstance(given, str) else ()
     if names and all(isinstance(name, str) for name in names) and len({*names}) == len(names):
         return names, len(names)

@@ -64,6 +64,8 @@ def reach_rows(
     """
     found = InternedRows(initial.shape[1])
     found.add(initial)
+    if len(found) > limits.max_states:
+        raise limits.exceeded(0, 0)
     leads: list[Int32[np.ndarray, "n A"]] = []
     done = level = 0
     with ThreadPoolExecutor(processors()) as pool:

@@ -1,6 +1,6 @@
 """The table of the states that were reached: where they lead, and what the model says of them."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -18,6 +18,8 @@ Outcomes = Mapping[int, Sequence[tuple[float, int]]]
 
 _BLOCK = 1 << 14  # states or transitions described at once
 _CELL = 2  # numbers of a cell: row and column
+_AGAIN = 1000  # states or transitions of which a function is asked twice
+_LEAST, _MOST = np.iinfo(np.int32).min, np.iinfo(np.int32).max
 
 
 @runtime_checkable
@@ -102,17 +104,28 @@ def _rewards(
         return None
     earned = np.zeros(len(rows))
     made = int(np.searchsorted(rows, expanded * shape[1]))
-    for block in _blocks(made):
-        states, chosen = np.divmod(rows[block], shape[1])
-        values = np.asarray(reward(found.take(states), chosen, found.take(led[block])))
+
+    def asked(places: Any) -> np.ndarray:
+        states, chosen = np.divmod(rows[places], shape[1])
+        values = _array("reward", reward(found.take(states), chosen, found.take(led[places])))
         if values.dtype.kind not in "biuf" or values.shape != states.shape:
-            wrong = values.tolist()[0] if len(values) else values
-            raise ValueError(f"reward returns {wrong!r:.80}; return a number for each transition")
+            raise ValueError(
+                f"reward returns {_first(values)}, or not one value for each transition; return a "
+                "number"
+            )
+        return values
+
+    for block in _blocks(made):
+        values = asked(block)
         bad = np.flatnonzero(~(abs(values) <= np.finfo(np.float32).max))
         if len(bad):
-            where = f"action {chosen[bad[0]]} in state {found.state(int(states[bad[0]]))!r:.80}"
+            state, action = divmod(int(rows[block][bad[0]]), shape[1])
+            where = f"action {action} in state {found.state(state)!r:.80}"
             raise ValueError(f"reward of {where} is {values[bad[0]]}; give a finite number")
         earned[block] = values
+    again = _sample(made)
+    if len(again):
+        _check_same("reward", earned[again], asked(again))
     return earned
 
 
@@ -131,14 +144,19 @@ def _terminal(
     terminal = many(model, "terminal")
     if terminal is None:
         return None
-    flags = np.zeros(count, bool)
-    for block in _blocks(count):
-        values = np.asarray(terminal(found.take(np.arange(count)[block])))
-        if values.dtype.kind != "b" or values.shape != flags[block].shape:
+
+    def asked(places: Int[np.ndarray, "n"]) -> np.ndarray:
+        values = _array("terminal", terminal(found.take(places)))
+        if values.dtype.kind != "b" or values.shape != places.shape:
             raise ValueError(
-                f"terminal returns {values.tolist()!r:.80}; return True or False for each state"
+                f"terminal returns {_first(values)}, or not one value for each state; return True "
+                "or False"
             )
-        flags[block] = values
+        return values
+
+    flags = np.concatenate([asked(np.arange(count)[block]) for block in _blocks(count)])
+    again = _sample(count)
+    _check_same("terminal", flags[again], asked(again))
     return flags
 
 
@@ -149,46 +167,110 @@ def _factors(
     factors = many(model, "factors")
     if factors is None:
         return {}, None, frozenset()
-    found_so_far: dict[str, list[np.ndarray]] = {}
-    for block in _blocks(count):
-        states = found.take(np.arange(count)[block])
-        given = factors(states)
-        columns = given if isinstance(given, Mapping) else _columns(given, found, block.start)
-        if found_so_far and columns.keys() != found_so_far.keys():
-            raise ValueError(f"factors has {[*columns]} and elsewhere {[*found_so_far]}")
-        for name, values in columns.items():
-            labels = np.asarray(values)
-            right = labels.shape in ((len(states),), (len(states), _CELL))
-            if not right or labels.dtype.kind not in "biu":
-                raise ValueError(
-                    f"factor {name!r} is {values[0]!r:.80} in state "
-                    f"{found.state(block.start)!r:.80}; give a whole number or (row, column), the "
-                    "same in every state"
-                )
-            found_so_far.setdefault(name, []).append(labels)
-    whole = {name: np.concatenate(parts) for name, parts in found_so_far.items()}
+    parts = [_asked_factors(factors, found, np.arange(count)[block]) for block in _blocks(count)]
+    names = [*parts[0]]
+    for part in parts:
+        if [*part] != names:
+            raise ValueError(f"factors has {[*part]} in some states, and {names} in others")
+    try:
+        whole = {name: np.concatenate([part[name] for part in parts]) for name in names}
+    except ValueError:  # cells in one block of states, numbers in another
+        raise ValueError("a factor is a number in some states and a cell in others") from None
+    again = _sample(count)
+    for name, labels in _asked_factors(factors, found, again).items():
+        _check_same("factors", whole[name][again], labels)
     cells = {name: labels for name, labels in whole.items() if labels.ndim == _CELL}
-    if not cells:
-        return {n: v.astype(np.int32) for n, v in whole.items()}, None, frozenset()
-    height, width = (np.concatenate([*cells.values()]).max(axis=0) + 1).tolist()
-    height, width = shape = getattr(model, "shape", None) or (height, width)
+    shape = _shape_of(model, cells)
     for name, cell in cells.items():
+        assert shape is not None
         outside = ((cell < 0) | (cell >= np.array(shape))).any(axis=1)
         if outside.any():
             first = int(np.flatnonzero(outside)[0])
             raise ValueError(
                 f"factor {name!r} is the cell {tuple(cell[first].tolist())} in state "
-                f"{found.state(first)!r:.80}, which is outside the {height} x {width} cells"
+                f"{found.state(first)!r:.80}, which is outside the {shape[0]} x {shape[1]} cells"
             )
-        whole[name] = cell[:, 0] * width + cell[:, 1]
+        whole[name] = cell[:, 0] * shape[1] + cell[:, 1]
+    for name, labels in whole.items():
+        wide = np.flatnonzero((labels < _LEAST) | (labels > _MOST))
+        if len(wide):
+            raise ValueError(
+                f"factor {name!r} is {labels[wide[0]]} in state {found.state(int(wide[0]))!r:.80}; "
+                "labels are int32: use smaller numbers"
+            )
     return {n: v.astype(np.int32) for n, v in whole.items()}, shape, frozenset(cells)
 
 
-def _columns(given: list[Any], found: Reached, first: int) -> dict[str, list[Any]]:
+def _asked_factors(
+    factors: Callable[[Any], Any], found: Reached, places: Int[np.ndarray, "n"]
+) -> dict[str, np.ndarray]:
+    """The factors of some states, by name: numbers, or cells."""
+    given = factors(found.take(places))
+    columns = given if isinstance(given, Mapping) else _columns(given, found, places)
+    labels = {name: _array(f"factor {name!r}", values) for name, values in columns.items()}
+    for name, one in labels.items():
+        right = one.shape in ((len(places),), (len(places), _CELL))
+        if not right or one.dtype.kind not in "biu":
+            raise ValueError(
+                f"factor {name!r} is {_first(one)} in state "
+                f"{found.state(int(places[0]))!r:.80}; give a whole number or (row, column), the "
+                "same in every state"
+            )
+    return labels
+
+
+def _shape_of(model: Any, cells: Mapping[str, np.ndarray]) -> tuple[int, int] | None:
+    """Rows and columns of the map that cells are on, as large as they need by default."""
+    shape = getattr(model, "shape", None)
+    if not cells:
+        return None
+    if shape is None:
+        height, width = (np.concatenate([*cells.values()]).max(axis=0) + 1).tolist()
+        return height, width
+    sides = tuple(shape) if isinstance(shape, Iterable) else (shape,)
+    if len(sides) != _CELL or not all(isinstance(side, int | np.integer) for side in sides):
+        raise ValueError(f"the model's shape is {shape!r:.80}; give (rows, columns)")
+    return int(sides[0]), int(sides[1])
+
+
+def _array(name: str, values: Any) -> np.ndarray:
+    try:
+        return np.asarray(values)
+    except ValueError:
+        raise ValueError(
+            f"{name} has values of different kinds or lengths; give the same kind in every state"
+        ) from None
+
+
+def _first(values: np.ndarray) -> str:
+    listed = values.tolist()
+    return f"{(listed[0] if values.size and values.ndim else listed)!r:.80}"
+
+
+def _sample(count: int) -> Int[np.ndarray, "n"]:
+    """Places at which a function is called a second time."""
+    return np.random.default_rng(0).permutation(count)[:_AGAIN]
+
+
+def _check_same(name: str, before: np.ndarray, after: np.ndarray) -> None:
+    """Refuses a function that returns something else when it is called again.
+
+    Raises:
+        ValueError: it does.
+    """
+    if not np.array_equal(before, after):
+        raise ValueError(
+            f"{name} returns something else the second time; let it depend on its arguments alone"
+        )
+
+
+def _columns(given: Any, found: Reached, places: Int[np.ndarray, "n"]) -> dict[str, list[Any]]:
     """The factors of some states, by name."""
-    for place, one in enumerate(given):
+    if not isinstance(given, list):
+        raise ValueError(f"factors_many returns {given!r:.80}; return a dict of arrays")
+    for place, one in zip(places.tolist(), given, strict=True):
         if not isinstance(one, Mapping) or one.keys() != given[0].keys():
-            state = found.state(first + place)
+            state = found.state(place)
             raise ValueError(
                 f"factors({state!r:.80}) returns {one!r:.80}; return a dict with the same names in "
                 "every state"

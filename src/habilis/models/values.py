@@ -1,20 +1,23 @@
 """Models whose states are any hashable values, stepped one at a time."""
 
 from array import array
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 import numpy as np
 from jaxtyping import Int, Int32
 
-from habilis.checks import is_number
 from habilis.models.limits import Limits, made_again
 
 Step = Callable[[Any, int], Any]
 Available = Callable[[Any], Sequence[int]]
 
+_PAIR = 2
+_AGAIN = 1000  # states whose actions are asked for twice
 _CLOSE = 1e-9  # to 1, that probabilities sum to
+_ROUGHLY = 1e-5  # of a narrower type than float64
 _REPORTED = 1 << 6  # states from one report of progress to the next
 _OUTCOMES = "the next state, which is hashable, or a list of (probability, state)"
 
@@ -94,8 +97,12 @@ def reach_values(
     for state in initial:
         try:
             number_of(state)
+            if isinstance(state, Iterator):
+                raise TypeError
         except TypeError:
-            raise ValueError(f"states has {state!r:.80}, which is not hashable") from None
+            raise ValueError(
+                f"states has {state!r:.80}, which is not a hashable value; use tuples"
+            ) from None
     while (done := len(leads) // actions) < len(states):
         if not limits.goes_on(level, lambda first=done: states[first:]):
             break
@@ -115,8 +122,11 @@ def reach_values(
                     found.outcomes[place * actions + action] = outcomes
                     number = -1
                 if number is None:
-                    if reached is None:
-                        raise ValueError(f"{_call(state, action)} returns None; return {_OUTCOMES}")
+                    if reached is None or isinstance(reached, Iterator):
+                        kind = type(reached).__name__
+                        raise ValueError(
+                            f"{_call(state, action)} returns a {kind}; return {_OUTCOMES}"
+                        )
                     number = number_of(reached)
                 leads.append(number)
             if not place % _REPORTED:
@@ -124,6 +134,8 @@ def reach_values(
         level += 1
     if again:
         _check_again(found, step)
+        if available is not None:
+            _check_available_again(found, available)
     return found
 
 
@@ -133,12 +145,16 @@ def usable_actions(available: Available, state: Any, actions: int) -> set[int]:
     Raises:
         ValueError: there is no such action.
     """
-    usable = {*available(state)}
-    if not usable <= {*range(actions)}:
-        raise ValueError(
-            f"available({state!r:.80}) has {sorted(usable)}; give indices from 0 to {actions - 1}"
-        )
-    return usable
+    given = available(state)
+    listed = list(given) if isinstance(given, Iterable) else [given]
+    for action in listed:
+        whole = isinstance(action, int | np.integer) and not isinstance(action, bool)
+        if not whole or not 0 <= action < actions:
+            raise ValueError(
+                f"available({state!r:.80}) returns {given!r:.80}; return indices from 0 to "
+                f"{actions - 1}, which are whole numbers"
+            )
+    return {int(action) for action in listed}
 
 
 def _outcomes(returned: Any, where: str) -> list[tuple[float, Any]]:
@@ -152,7 +168,8 @@ def _outcomes(returned: Any, where: str) -> list[tuple[float, Any]]:
             f"{where} returns {returned!r:.80}, which is not hashable; return {_OUTCOMES}"
         )
     for outcome in returned:
-        if not isinstance(outcome, tuple) or len(outcome) != 2 or not is_number(outcome[0]):
+        pair = isinstance(outcome, tuple) and len(outcome) == _PAIR
+        if not pair or not isinstance(outcome[0], Real) or isinstance(outcome[0], bool):
             raise ValueError(f"{where} has the outcome {outcome!r:.80}; give (probability, state)")
         if not outcome[0] >= 0:
             raise ValueError(f"{where} has the probability {outcome[0]}; give one from 0 to 1")
@@ -163,10 +180,11 @@ def _outcomes(returned: Any, where: str) -> list[tuple[float, Any]]:
                 f"{where} leads to {outcome[1]!r:.80}, which is not hashable; use tuples for lists "
                 "and arrays"
             ) from None
-    total = sum(p for p, _ in returned)
-    if not abs(total - 1) <= _CLOSE:
+    narrow = any(isinstance(p, np.floating) and not isinstance(p, float) for p, _ in returned)
+    total = sum(float(p) for p, _ in returned)
+    if not abs(total - 1) <= (_ROUGHLY if narrow else _CLOSE):
         raise ValueError(f"{where} has probabilities that sum to {total:.12g}; let them sum to 1")
-    return [(p / total, state) for p, state in returned if p > 0]
+    return [(float(p) / total, state) for p, state in returned if p > 0]
 
 
 def _check_again(found: ReachedValues, step: Step) -> None:
@@ -193,6 +211,27 @@ def _check_again(found: ReachedValues, step: Step) -> None:
                 f"{_call(state, action)} has another outcome the second time, {reached!r:.80}; let "
                 "it depend on the state and the action alone: add to the state what else matters, "
                 "or return a list of (probability, state)"
+            )
+
+
+def _check_available_again(found: ReachedValues, available: Available) -> None:
+    """Asks a second time which actions are available.
+
+    Raises:
+        ValueError: others are.
+    """
+    expanded = len(found.leads) // found.actions
+    for place in made_again(expanded)[:_AGAIN].tolist():
+        state, first = found.states[place], place * found.actions
+        before = {
+            action
+            for action in range(found.actions)
+            if found.leads[first + action] >= 0 or first + action in found.outcomes
+        }
+        if usable_actions(available, state, found.actions) != before:
+            raise ValueError(
+                f"available({state!r:.80}) returns something else the second time; let it depend "
+                "on the state alone"
             )
 
 

@@ -28,7 +28,10 @@ def explore_rows(
         ValueError: as in `explore`.
     """
     names, actions = action_names(model)
-    initial = np.asarray(states)
+    try:
+        initial = np.asarray(states)
+    except ValueError:  # of different lengths
+        initial = np.empty(0)
     if initial.dtype.kind not in "iub" or initial.ndim != _ROWS or not initial.size:
         raise ValueError(
             f"states has shape {initial.shape} and type {initial.dtype}; give a row of k integers "
@@ -88,6 +91,8 @@ def _stepped(model: VectorModel, rows: Rows, actions: Int64[np.ndarray, "n"]) ->
         ValueError: they are not rows of integers like them.
     """
     after = np.asarray(model.step_many(rows, actions))
+    if after.dtype == np.uint64 and after.size and after.max() > np.iinfo(np.int64).max:
+        raise ValueError(f"step_many returns {after.max()}; use numbers below 2**63")
     if after.dtype.kind not in "iub" or after.shape != rows.shape:
         raise ValueError(
             f"step_many returns {after.dtype} of shape {after.shape}; return integers of shape "

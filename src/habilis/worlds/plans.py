@@ -59,7 +59,8 @@ def solve(
         if no terminal state can be reached.
 
     Raises:
-        ValueError: there is no such state, or more than max_states are met before a plan is found.
+        ValueError: there is no such state, the model is stochastic, or more than max_states are met
+            before a plan is found.
 
     Example:
         >>> class Line:
@@ -77,6 +78,11 @@ def solve(
     if not isinstance(model, TabularMDP):
         starts = None if start is None else [start]
         mdp = explore_to_end(model, starts, max_states, show_progress=show_progress)
+        if mdp.is_stochastic:
+            raise ValueError(
+                "the model is stochastic, so that no sequence of actions is a plan; train an agent "
+                "on its table, habilis.explore(model)"
+            )
         plan = solve(mdp)
         if plan is None or mdp.model_states is None:
             return plan
