@@ -44,6 +44,30 @@ def test_losses_are_means_over_the_states():
     assert rows(both)["object:m1"] == pytest.approx([2 / 3, 2 / 3, 2 / 3])
 
 
+def test_the_target_is_the_one_that_is_asked_about():
+    puzzle = PushWorld.parse("A M0 M1 . .\n. . . . .\n. M2 . . .")
+    frame = hb.tool_ranking(puzzle, "object:m1", horizon=2)
+    assert {*frame["object"]} == {"object:m0", "object:m2"}
+    (bits,) = hb.empowerment(puzzle, 2, "object:m1", states=[puzzle.initial])
+    assert frame["bits"].to_list() == [bits, bits]
+    gone = puzzle.without("m0")
+    (left,) = hb.empowerment(gone, 2, "object:m1", states=[gone.initial])
+    assert rows(frame)["object:m0"][-1] == bits - left
+    assert bits - left != 0
+
+
+@pytest.mark.ill_typed
+def test_states_and_targets_that_are_none_are_refused():
+    puzzle = PushWorld.parse("A M0 M1 . .")
+    for states in (puzzle.initial, [(0.5, 1.5, 2.5)], [3]):
+        with pytest.raises(ValueError, match=r"puzzle: (a state|cell) is .*; give a"):
+            hb.tool_ranking(puzzle, horizon=1, states=states)  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="there is no movable 0; the movables are m0, m1"):
+        hb.tool_ranking(puzzle, target=0, horizon=1)  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match=r"action is 1\.7; give a whole number"):
+        puzzle.step(puzzle.initial, 1.7)  # pyright: ignore[reportArgumentType]
+
+
 def test_no_state_is_explored_that_the_horizon_does_not_reach():
     puzzle = PushWorld.parse("A . . . . . . . M0 . M1 .")
     frame = hb.tool_ranking(puzzle, horizon=3, max_states=4)
@@ -88,7 +112,7 @@ def test_losses_are_those_of_the_plain_model(text, horizon, actions):
 def test_what_cannot_be_ranked_is_refused():
     puzzle = PushWorld.parse(ROD)
     for arguments, message in [
-        ((hb.load_world("corridor"),), "World is no puzzle; give what load_pushworld"),
+        ((hb.load_world("corridor"),), "World is not a puzzle; give one that load_pushworld"),
         ((puzzle, "object:m9"), "there is no movable 'object:m9'; the movables are m0, m1, m2, m3"),
     ]:
         with pytest.raises(ValueError, match=r"is no") as refused:

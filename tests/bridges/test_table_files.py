@@ -206,7 +206,9 @@ def check_refused(
     content = BytesIO()
     write_arrays(content, arrays)
     path.write_bytes(content.getvalue())
-    with pytest.raises(ValueError, match=rf"m\.npz: is no table.*{reason}.*; save the table"):
+    with pytest.raises(
+        ValueError, match=rf"m\.npz: is not a usable table.*{reason}.*; save the table"
+    ):
         TabularMDP.load(path)
 
 

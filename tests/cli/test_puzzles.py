@@ -96,7 +96,7 @@ def test_compare_prints_the_tool_ranking(folder, capsys):
     assert found["horizon"] == 1
     assert {row["object"] for row in found["ranking"]} == {"object:m0", "object:m2", "object:m3"}
     out = printed(capsys, "compare", "levels.xsb", "--horizon", "1")
-    assert out == "levels.xsb#0 has no other movable than b0\n"
+    assert out == "levels.xsb#0 has no movable other than b0\n"
 
 
 @pytest.mark.parametrize(

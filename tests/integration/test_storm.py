@@ -184,14 +184,14 @@ def test_a_chain_has_one_action_and_no_empowerment(tmp_path: Path):
         (lambda path: TabularMDP.from_storm(path, "N=2", reward="no"), "reward is 'no', which the"),
         (
             lambda path: TabularMDP.from_storm(path, "N=2", reward="light", terminal="no"),
-            "terminal is 'no', which is no label; the model has deadlock, end, home",
+            "terminal is 'no', which is not a label; the model has deadlock, end, home",
         ),
         (lambda path: TabularMDP.from_storm(path.with_name("none.nm")), "there is no such file"),
         (lambda path: TabularMDP.from_storm(__file__), "Storm refuses it: .*Parsing error"),
         (lambda path: TabularMDP.from_storm(files.drn_ctmc_dft), "the model is a CTMC; give one"),
         (lambda path: TabularMDP.from_storm(files.drn_pdtmc_die), "Storm refuses it: .*parametric"),
         (lambda path: TabularMDP.from_storm(files.drn_pomdp_maze, "N=2"), "an explicit model has"),
-        (lambda path: TabularMDP.from_storm(7), "int is no model of Storm's; give a path"),
+        (lambda path: TabularMDP.from_storm(7), "int is not a model of Storm's; give a path"),
     ],
 )
 def test_what_is_no_such_model_is_refused_in_one_line(tmp_path: Path, make: Callable, reason: str):

@@ -160,9 +160,12 @@ def test_the_command_line_trains_and_watches_tables(tmp_path, capsys, monkeypatc
 REFUSED = [
     (
         {"world": PRIZES, "starts": 3},
-        "table is no map, on which things could be elsewhere; leave out",
+        "table is not a map, on which things could be elsewhere; leave out",
     ),
-    ({"world": PRIZES, "tool": "broom"}, "table is no map, and has no tool to replace; leave out"),
+    (
+        {"world": PRIZES, "tool": "broom"},
+        "table is not a map, and has no tool to replace",
+    ),
     (
         {"world": hb.TabularMDP.deterministic([[0, 0]])},
         "table has no rewards, so there is nothing to learn",
@@ -206,6 +209,52 @@ def test_a_puzzle_is_trained_on_and_watched_as_it_is_drawn(tmp_path, capsys, mon
     assert "states 0, " in capsys.readouterr().out
     assert main(["watch", "run", "--gif", "again.gif"]) == 2
     assert "rod.pwp" in capsys.readouterr().err
+
+
+def test_tables_that_differ_in_what_observations_show_are_different_problems():
+    chain = hb.TabularMDP.deterministic(
+        [[max(s - 1, 0), min(s + 1, 5)] for s in range(6)],
+        reward=[[-1, 10 if s == 4 else -1] for s in range(6)],
+        terminal=[s == 5 for s in range(6)],
+    )
+    labelled = replace(chain, factors={"x": np.arange(6, dtype=np.int32)})
+    others = [
+        replace(labelled, shape=(2, 3), cells=frozenset({"x"})),
+        replace(chain, factors={"x": np.arange(6, dtype=np.int32)[::-1].copy()}),
+        replace(labelled, actions=("left", "right")),
+        replace(labelled, start=1),
+        chain,
+    ]
+    digests = [NamedTable.of("chain", mdp).digest for mdp in (labelled, *others)]
+    assert len({*digests}) == len(digests)
+    settings = {"observation": "coordinates", "episodes": 100, "runs": 1, "episode_limit": 30}
+    config = hb.Config(world=others[0]).changed(**settings)
+    alone = hb.train(config)
+    hb.train(hb.Config(world=labelled).changed(**settings))
+    assert same(hb.train(config), alone)
+    assert table_of(alone).mdp.shape == (2, 3)
+
+
+def test_the_best_return_of_a_stochastic_table_is_that_of_a_search_of_all_decisions():
+    random = np.random.default_rng(3)
+    P = random.dirichlet(np.ones(3), size=(3, 2))
+    mdp = hb.TabularMDP.stochastic(P, random.normal(size=(3, 2)), terminal=[False, False, True])
+
+    def best(state, steps):
+        if not steps:
+            return 0.0
+        later = [best(to, steps - 1) for to in range(2)] + [0.0]
+        return max(mdp.reward[state, a] + P[state, a] @ later for a in range(2))
+
+    for limit in range(5):
+        expected = [best(state, limit) for state in range(3)]
+        assert best_returns(mdp, limit) == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.ill_typed
+def test_a_model_in_the_place_of_its_table_is_refused():
+    with pytest.raises(ValueError, match="world is a dict; give a name, a path or a table"):
+        hb.Config(world={})  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize("limit", [1, 50])

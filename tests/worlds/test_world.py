@@ -99,12 +99,12 @@ def test_a_written_map_reads_back_as_the_same_world(rows: list[str]):
 @pytest.mark.parametrize(
     ("text", "place", "fix"),
     [
-        pytest.param("A.CG\n...\n....", "line 2, column 4", "equally long", id="a short row"),
-        pytest.param("A.CG\n.....\n....", "line 2, column 5", "equally long", id="a long row"),
-        pytest.param("A.CG\n\n....", "line 2, column 1", "equally long", id="a blank row inside"),
+        pytest.param("A.CG\n...\n....", "line 2, column 4", "same length", id="a short row"),
+        pytest.param("A.CG\n.....\n....", "line 2, column 5", "same length", id="a long row"),
+        pytest.param("A.CG\n\n....", "line 2, column 1", "same length", id="a blank row inside"),
         pytest.param("A.CG\n..x.", "line 2, column 3", "# . A B C G P", id="unknown character"),
         pytest.param("a.CG\n....", "line 1, column 1", "# . A B C G P", id="a small letter"),
-        pytest.param("....\n A.CG", "line 2, column 5", "equally long", id="an indented row"),
+        pytest.param("....\n A.CG", "line 2, column 5", "same length", id="an indented row"),
         pytest.param(" A.CG", "line 1, column 1", "# . A B C G P", id="an indented map"),
         pytest.param("A.CG\n...A", "line 2, column 4", "keep one", id="two agents"),
         pytest.param("A.CG\n.C..", "line 2, column 2", "keep one", id="two cans"),

@@ -59,8 +59,8 @@ def tool_ranking(
         order of `model.objects`.
 
     Raises:
-        ValueError: the model is no puzzle, has no such movable or state, the horizon is not a whole
-            number from 0 up, or the computation is above max_states, max_gib or max_seconds.
+        ValueError: the model is not a puzzle, has no such movable or state, the horizon is not a
+            whole number from 0 up, or the computation is above max_states, max_gib or max_seconds.
 
     Example:
         >>> puzzle = PushWorld.parse("A  M1 M0 .  .")
@@ -69,7 +69,8 @@ def tool_ranking(
     """
     if not isinstance(model, PushWorld):
         raise ValueError(
-            f"{type(model).__name__} is no puzzle; give what load_pushworld or load_sokoban returns"
+            f"{type(model).__name__} is not a puzzle; give one that load_pushworld or load_sokoban "
+            "returns"
         )
     horizon, method = whole_number("horizon", horizon), checked_method(method, [Exact])
     aim = model.objects[model.place(target) - 1]

@@ -39,7 +39,7 @@ def table_of(model: Any, constants: str, reward: str | None, terminal: str | Non
     flags = _flags(sparse)
     if terminal is not None and terminal not in flags:
         known = ", ".join(sorted(flags)) or "none"
-        raise ValueError(f"terminal is {terminal!r}, which is no label; the model has {known}")
+        raise ValueError(f"terminal is {terminal!r}, which is not a label; the model has {known}")
     state, action, names = _choices(sparse)
     each = _transitions(sparse, state, action, len(names) or int(action.max()) + 1)
     mean = np.zeros((sparse.nr_states, len(each)))
@@ -60,7 +60,7 @@ def _built(model: Any, constants: str) -> Any:
         if isinstance(model, (developer.storage.PrismProgram, developer.storage.JaniModel)):
             return _reported("the model", lambda: _from_program(model, constants))
         raise ValueError(
-            f"{type(model).__name__} is no model of Storm's; give a path, a PrismProgram, a "
+            f"{type(model).__name__} is not a model of Storm's; give a path, a PrismProgram, a "
             "JaniModel or a sparse model"
         )
     path, name = Path(model), shown(model) if str(model) else "''"

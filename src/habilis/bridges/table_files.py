@@ -30,6 +30,8 @@ _BROKEN = (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile)
 
 def save(mdp: TabularMDP, path: str | Path) -> None:
     """`TabularMDP.save`; see there."""
+    if not isinstance(path, str | Path):
+        raise ValueError(f"path is {path!r:.80}; give the path of a file")
     check_file(path, [SUFFIX])
     try:
         arrays = _arrays(mdp)
@@ -41,6 +43,8 @@ def save(mdp: TabularMDP, path: str | Path) -> None:
 
 def load(path: str | Path) -> TabularMDP:
     """`TabularMDP.load`; see there."""
+    if not isinstance(path, str | Path):
+        raise ValueError(f"path is {path!r:.80}; give the path of a file")
     name = shown(path) if str(path) else "''"
     try:
         arrays = read_arrays(Path(path))
@@ -55,7 +59,7 @@ def load(path: str | Path) -> TabularMDP:
         return _table(arrays)
     except _BROKEN as error:
         raise ValueError(
-            f"{name}: is no table that can be used: {_reason(error)}; save the table again"
+            f"{name}: is not a usable table: {_reason(error)}; save the table again"
         ) from None
 
 

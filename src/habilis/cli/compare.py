@@ -154,7 +154,7 @@ def _run_ranking(args: Args, puzzle: PushWorld) -> int:
         found = {"target": f"object:{target}", "horizon": args.horizon, "ranking": frame.to_dicts()}
         return print_json(found)
     if frame.is_empty():
-        print(f"{puzzle.name} has no other movable than {target}")
+        print(f"{puzzle.name} has no movable other than {target}")
         return 0
     bits = frame["bits"][0]
     print(f"{args.horizon}-step object empowerment over {target}: {bits:.4f} bits")

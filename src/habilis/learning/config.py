@@ -97,6 +97,11 @@ class Config:
     starts_seed: int = setting(0, "random seed of these placements")
 
     def __post_init__(self) -> None:
+        if not isinstance(self.world, str | TabularMDP):
+            raise ValueError(
+                f"world is a {type(self.world).__name__}; give a name, a path or a table, such as "
+                "habilis.explore(model)"
+            )
         check_types(self, besides=["world"] if isinstance(self.world, TabularMDP) else [])
         algorithm = ALGORITHMS.name_of(self.algorithm)
         if self.tool is not None and not isinstance(self.tool, str):

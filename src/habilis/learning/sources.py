@@ -60,7 +60,7 @@ def names_table(world: str | TabularMDP) -> bool:
     """Whether the world of a configuration is a table, and not a map."""
     if isinstance(world, TabularMDP):
         return True
-    file = Path(world).suffix == TABLE or _PUZZLE.fullmatch(world)
+    file = Path(world).suffix.lower() == TABLE or _PUZZLE.fullmatch(world)
     return world.startswith((GYM, BY_DIGEST)) or bool(file)
 
 
@@ -93,7 +93,7 @@ def source_of(config: Config) -> Source:
 
         env = named.removeprefix(GYM)
         found = NamedTable.of(named, table_named(env), limit_named(env))
-    elif Path(named).suffix == TABLE:
+    elif Path(named).suffix.lower() == TABLE:
         found = NamedTable.of(Path(named).stem, TabularMDP.load(named))
     elif (puzzle := puzzle_of(config)) is not None:
         found = NamedTable.of(puzzle.name, explore(puzzle))
@@ -102,5 +102,5 @@ def source_of(config: Config) -> Source:
             f"world is {named!r}, which only the folder of its run has; give the table"
         )
     if config.tool is not None:
-        raise ValueError(f"{found.name} is no map, and has no tool to replace; leave out tool")
+        raise ValueError(f"{found.name} is not a map, and has no tool to replace; leave out tool")
     return found

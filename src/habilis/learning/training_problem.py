@@ -92,7 +92,7 @@ def training_problem(world: Source, conditions: Conditions = DEFAULT_CONDITIONS)
 def _of_table(table: NamedTable, conditions: Conditions) -> TrainingProblem:
     if conditions.starts:
         raise ValueError(
-            f"{table.name} is no map, on which things could be elsewhere; leave out starts"
+            f"{table.name} is not a map, on which things could be elsewhere; leave out starts"
         )
     if not table.mdp.reward.any():
         raise ValueError(f"{table.name} has no rewards, so there is nothing to learn; give it some")

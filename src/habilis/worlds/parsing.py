@@ -150,7 +150,7 @@ def _read(
             column = min(len(cells), width) + 1
             raise ValueError(
                 f"{name}, line {line}, column {column}: the row has {len(cells)} cells and the "
-                f"first row has {width}; make all rows equally long"
+                f"first row has {width}; give all rows the same length"
             )
         for column, character in enumerate(cells):
             place = f"line {line}, column {column + 1}"

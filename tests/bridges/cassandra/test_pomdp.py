@@ -294,8 +294,8 @@ def changed(old: str, new: str, text: str = TIGER) -> str:
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", r"m\.pomdp: it has no discount:; add it, as discount: 0\.95"),
-        (changed("values: reward\n", ""), "it has no values:; add it"),
+        ("", r"m\.pomdp: has no discount; add a line discount: 0\.95"),
+        (changed("values: reward\n", ""), "has no values; add a line"),
         (changed("discount: 0.95", "discount: 1.5"), "line 2: discount is 1.5; give a number"),
         (changed("discount: 0.95", "discount: x"), "line 2: discount needs a number, and 'x'"),
         (changed("values: reward", "values: money"), "line 3: values is 'money'; write reward"),
@@ -307,7 +307,7 @@ def changed(old: str, new: str, text: str = TIGER) -> str:
         (changed("tiger-left tiger-right", "2 3"), "line 4: 3 follows the number of states"),
         (changed("tiger-left tiger-right", "0"), "line 4: there are 0 states"),
         (changed("tiger-left tiger-right", ""), "line 4: states: is empty"),
-        ("discount: 1 values: cost actions: 2", "it has no states:; add it"),
+        ("discount: 1 values: cost actions: 2", "has no states; add a line"),
         ("T: 0 identity", "line 1: T: comes before actions:; put actions: above it"),
         ("start: uniform", "line 1: start: comes before states:"),
         (TIGER + "states: 3", "states: is there twice; remove one"),
@@ -365,7 +365,7 @@ def test_a_large_sparse_model_takes_no_dense_transitions(tmp_path: Path):
 
 def test_where_there_is_no_text_says_so(tmp_path: Path):
     (tmp_path / "m.pomdp").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(ValueError, match="is no text file"):
+    with pytest.raises(ValueError, match="is not a text file"):
         hb.load_pomdp(tmp_path / "m.pomdp")
     with pytest.raises(ValueError, match=r"none\.pomdp: cannot be read \(No such file"):
         hb.load_pomdp(tmp_path / "none.pomdp")

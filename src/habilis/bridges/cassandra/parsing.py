@@ -12,6 +12,7 @@ from habilis.files import shown
 Kind = Literal["T", "O", "R"]
 
 ROUNDING = 1e-5  # by how much a distribution may miss 1
+_MOST = 1_000_000  # states, actions or observations
 _LISTED = 8  # names in a message
 
 
@@ -110,7 +111,7 @@ def parsed(name: str, text: str) -> File:
             settings[keyword] = _setting(words, keyword)
     for keyword, example in (("discount", "0.95"), ("values", "reward")):
         if keyword not in settings:
-            raise words.error(f"it has no {keyword}:; add it, as {keyword}: {example}", 0)
+            raise words.error(f"has no {keyword}; add a line {keyword}: {example}", 0)
     states, actions = _known(words, ["states", "actions"], "", declared)
     uniform = np.full(states.count, 1 / states.count)
     return File(
@@ -146,6 +147,8 @@ def _names(words: Words, what: str) -> Names:
         count = int(words.take())
         if not words.begins_section():
             raise words.error(f"{shown(words.peek())} follows the number of {what}; remove it")
+        if count > _MOST and what != "observations":  # whose sensor has a limit of its own
+            raise words.error(f"there are {count:,} {what}; at most {_MOST:,} are read", line)
         if not count:
             raise words.error(f"there are 0 {what}; give at least one", line)
         return Names(what, count)
@@ -228,7 +231,7 @@ def _known(
         if what not in declared:
             if keyword:
                 raise words.error(f"{keyword}: comes before {what}:; put {what}: above it")
-            raise words.error(f"it has no {what}:; add it, as {what}: 2", 0)
+            raise words.error(f"has no {what}; add a line {what}: 2", 0)
     return [declared[what] for what in needed]
 
 

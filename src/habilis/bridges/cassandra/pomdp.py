@@ -93,11 +93,13 @@ def load_pomdp(path: str | Path) -> POMDP:
         >>> empowerment(model.mdp, 1, model.sensor).round(3)
         array([0.148, 0.073])
     """
+    if not isinstance(path, str | Path):
+        raise ValueError(f"path is {path!r:.80}; give the path of a file")
     name = shown(path) if str(path) else "''"
     try:
         text = Path(path).read_text("utf-8")
     except UnicodeDecodeError:
-        raise ValueError(f"{name}: is no text file; give one in Cassandra's format") from None
+        raise ValueError(f"{name}: is not a text file; give one in Cassandra's format") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise ValueError(f"{name}: cannot be read ({reason}); name a .pomdp or .mdp file") from None

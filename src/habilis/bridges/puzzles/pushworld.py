@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float64, Int, Int64
 
 from habilis.bridges.puzzles.bodies import ACTIONS, Body, Collisions
 from habilis.bridges.puzzles.pushworld_text import parsed
-from habilis.bridges.puzzles.states import check_apart, check_on_map, check_rows
+from habilis.bridges.puzzles.states import as_cells, check_apart, check_on_map, check_rows, whole
 from habilis.files import shown, text_of
 from habilis.worlds.grid import Cell
 
@@ -137,7 +137,8 @@ class PushWorld:
         Raises:
             ValueError: there is no such state or action.
         """
-        after = self.step_many(np.array([self._checked(state)]), np.array([action]))
+        chosen = np.array([whole(self.name, "action", action)])
+        after = self.step_many(np.array([self._checked(state)]), chosen)
         return tuple(after[0].tolist())
 
     def step_many(
@@ -349,7 +350,7 @@ class PushWorld:
         Raises:
             ValueError: there is no such movable.
         """
-        bare = name.removeprefix(OBJECT)
+        bare = name.removeprefix(OBJECT) if isinstance(name, str) else name
         if bare not in self.objects:
             known = ", ".join(self.objects) or "none"
             raise ValueError(f"{self.name}: there is no movable {name!r}; the movables are {known}")
@@ -382,8 +383,9 @@ class PushWorld:
         Raises:
             ValueError: it is none.
         """
-        check_on_map(self.name, state, self.bodies, self._room, self.shape)
-        return state
+        cells = tuple(whole(self.name, "cell", cell) for cell in as_cells(self.name, state))
+        check_on_map(self.name, cells, self.bodies, self._room, self.shape)
+        return cells
 
     @cached_property
     def _room(self) -> list[tuple[int, int]]:

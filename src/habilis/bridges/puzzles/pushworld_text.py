@@ -48,7 +48,7 @@ def parsed(
             column = cells[width].start() if len(cells) > width else len(line)
             raise ValueError(
                 f"{name}, line {number}, column {column + 1}: the row has {len(cells)} cells and "
-                f"the first row has {width}; make all rows equally long"
+                f"the first row has {width}; give all rows the same length"
             )
         for column, cell in enumerate(cells):
             place = f"{name}, line {number}, column {cell.start() + 1}"

@@ -1,6 +1,8 @@
 """States that a puzzle does not have, refused by name."""
 
 from collections.abc import Collection, Sequence
+from operator import index
+from typing import Any
 
 import numpy as np
 from jaxtyping import Int64
@@ -94,3 +96,26 @@ def check_apart(
                     f"{cell}; give cells at which nothing overlaps"
                 )
             taken[cell] = f"the {body.name}"
+
+
+def whole(puzzle: str, what: str, value: Any) -> int:
+    """A whole number as Python's own.
+
+    Raises:
+        ValueError: it is another kind of number, or none.
+    """
+    try:
+        return index(value)
+    except TypeError:
+        raise ValueError(f"{puzzle}: {what} is {value!r:.80}; give a whole number") from None
+
+
+def as_cells(puzzle: str, state: Any) -> Sequence[Any]:
+    """A state as a sequence.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if isinstance(state, Sequence | np.ndarray) and not isinstance(state, str):
+        return list(state)
+    raise ValueError(f"{puzzle}: a state is {state!r:.80}; give a tuple with a cell for each body")
