@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+import habilis as hb
 from habilis.cli import main
 
 ROD = """\
@@ -130,3 +131,12 @@ def test_bad_input_is_refused_in_one_line(folder, capsys, command, message):
     assert error.count("\n") == 1
     assert message in error
     assert sorted(folder.iterdir()) == before
+
+
+def test_empowerment_takes_a_saved_table(tmp_path, capsys):
+    path = tmp_path / "ring.npz"
+    hb.TabularMDP.deterministic([[(s - 1) % 9, (s + 1) % 9] for s in range(9)]).save(path)
+    assert main(["empowerment", str(path), "--horizon", "3", "--sensor", "state", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["mean"] == 2
+    assert main(["empowerment", str(path), "--horizon", "3", "--tool", "broom"]) == 2
+    assert "--tool is given for a table" in capsys.readouterr().err

@@ -107,7 +107,7 @@ def test_a_run_is_kept_read_back_resumed_and_played(tmp_path):
     episode = play(read)
     assert episode.episode_return == pytest.approx(expected_return(read))
     assert best_return_from(read, 0) == read.best_return == 5.0
-    other = hb.Config(world=hb.TabularMDP.deterministic([[0]], [[1]])).changed(**QUICK)
+    other = hb.Config(world=PRIZES.slippery(0.1)).changed(**QUICK)
     with pytest.raises(ValueError, match="was started with world 'table:"):
         hb.train(other, out=tmp_path / "run", resume=True)
 

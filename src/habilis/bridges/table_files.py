@@ -22,7 +22,7 @@ from habilis.files import check_file, save_whole, shown
 from habilis.mdp import TabularMDP
 from habilis.mdp_arguments import UNAVAILABLE
 
-SUFFIX = ".npz"
+SUFFIX, _STORM = ".npz", ".drn"
 _FORMAT, _EDITION = "habilis table", 1
 _ROUNDING = 1e-9
 _BROKEN = (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile)
@@ -39,6 +39,23 @@ def save(mdp: TabularMDP, path: str | Path) -> None:
     except _BROKEN as error:  # a file that could not be read would be as good as none
         raise ValueError(f"{path}: the table cannot be saved: {_reason(error)}") from None
     save_whole(path, lambda file: write_arrays(file, arrays))
+
+
+def names_table(name: str) -> bool:
+    """Whether a name is that of a file with a table: one of ours (.npz), or of Storm's (.drn)."""
+    return Path(name).suffix.lower() in (SUFFIX, _STORM)
+
+
+def table_named(name: str) -> TabularMDP:
+    """The table in such a file.
+
+    Raises:
+        ValueError: it cannot be read.
+        MissingExtraError: it is one of Storm's, and stormpy is not installed.
+    """
+    if Path(name).suffix.lower() == _STORM:
+        return TabularMDP.from_storm(name)
+    return load(name)
 
 
 def load(path: str | Path) -> TabularMDP:

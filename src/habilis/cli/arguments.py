@@ -18,6 +18,7 @@ TOOLS = "picker, broom, rake, stick, magnet, none or your own as FILE.py:CLASS"
 def add_world(parser: argparse.ArgumentParser, or_environment: bool = False) -> None:
     text = "a built-in world, a map file, or a puzzle file (.pwp, .xsb, LEVELS.xsb#3)"
     if or_environment:
+        text += ", a table (.npz, or .drn of Storm)"
         text += f", or a Gymnasium environment as {ENVIRONMENT}FrozenLake-v1?map_name=8x8"
     parser.add_argument("world", metavar="WORLD", help=text)
     add_tool(parser)

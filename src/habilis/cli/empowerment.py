@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 import habilis
+from habilis.bridges import table_files
 from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.cli.arguments import (
     Args,
@@ -84,10 +85,15 @@ def run(args: Args) -> int:
 
 
 def _table(args: Args) -> habilis.TabularMDP:
-    """The table of a world, a puzzle or, as `gym:ID`, of a Gymnasium environment."""
+    """The table of a world, a puzzle, a file or, as `gym:ID`, of a Gymnasium environment."""
     puzzle = puzzle_of(args, args.world, ("tool", "ignore"))
     if puzzle is not None:
         return _explored(args, puzzle).slippery(args.slip)
+    if table_files.names_table(args.world):
+        for flag, given in (("--tool", args.tool), ("--ignore", args.ignore)):
+            if given:
+                raise ValueError(f"{flag} is given for a table, {args.world}; leave it out")
+        return table_files.table_named(args.world).slippery(args.slip)
     if not args.world.startswith(ENVIRONMENT):
         if args.ignore:
             raise ValueError("--ignore is for environments, gym:ID; leave it out")

@@ -16,7 +16,7 @@ EXAMPLE: str = "habilis train corridor --intrinsic object --horizon 6 --beta 0.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_world(parser)
+    add_world(parser, or_environment=True)
     from habilis.learning.arguments import add_config_arguments
 
     add_config_arguments(parser)

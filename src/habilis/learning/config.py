@@ -44,8 +44,8 @@ class Config:
     world: str | TabularMDP = field(
         default="corridor",
         metadata={
-            "help": 'a built-in world\'s name; the path of a map, a saved table (".npz") or a '
-            'puzzle (".pwp", ".xsb"); "gym:ID"; or a table itself',
+            "help": 'a built-in world\'s name; the path of a map, a table (".npz", or ".drn" of '
+            'Storm) or a puzzle (".pwp", ".xsb"); "gym:ID"; or a table itself',
             "static": False,
         },
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from habilis.bridges import table_files
 from habilis.cache import table_digest
 from habilis.learning.config import BY_DIGEST, Config
 from habilis.mdp import TabularMDP
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
     from habilis.bridges.puzzles.pushworld import PushWorld
 
 GYM = "gym:"
-TABLE = ".npz"
-"""Of the file of a table."""
-
 _PUZZLE = re.compile(r".+\.(pwp|xsb(#\d+)?)", re.IGNORECASE | re.DOTALL)
 
 
@@ -60,7 +58,7 @@ def names_table(world: str | TabularMDP) -> bool:
     """Whether the world of a configuration is a table, and not a map."""
     if isinstance(world, TabularMDP):
         return True
-    file = Path(world).suffix.lower() == TABLE or _PUZZLE.fullmatch(world)
+    file = table_files.names_table(world) or _PUZZLE.fullmatch(world)
     return world.startswith((GYM, BY_DIGEST)) or bool(file)
 
 
@@ -93,8 +91,8 @@ def source_of(config: Config) -> Source:
 
         env = named.removeprefix(GYM)
         found = NamedTable.of(named, table_named(env), limit_named(env))
-    elif Path(named).suffix.lower() == TABLE:
-        found = NamedTable.of(Path(named).stem, TabularMDP.load(named))
+    elif table_files.names_table(named):
+        found = NamedTable.of(Path(named).stem, table_files.table_named(named))
     elif (puzzle := puzzle_of(config)) is not None:
         found = NamedTable.of(puzzle.name, explore(puzzle))
     else:
