@@ -1,0 +1,1 @@
+"""Whether object empowerment finds the tools of PushWorld's puzzles: `make tools`."""
