@@ -2,9 +2,9 @@
 
     python -m research.tools_in_pushworld --puzzles ../shared/pushworld     # goes on; see --help
 
-Three tables in `results/`: what each movable is to each target (`cases.csv`), the bits that are
-lost without it (`losses.csv`), and how far horizons reach (`feasible.csv`). Of them the numbers of
-the page and its picture are made.
+Tables in `results/`: what each movable is to each target (`cases.csv`), the bits that are
+lost without it (`losses.csv`), and how far horizons reach (`feasible.csv`). Of these come a fourth
+(`precision.csv`), the numbers of the page, which are printed, and its picture.
 """
 
 import argparse
@@ -19,9 +19,13 @@ from habilis.files import write_whole
 from habilis.models.limits import TooManyStatesError
 from research.tools_in_pushworld.cases import cases_of, measured_targets, puzzle_files, targets_of
 from research.tools_in_pushworld.losses import HORIZONS, PATIENCE, chosen_states, feasible, losses
+from research.tools_in_pushworld.page import pieces
+from research.tools_in_pushworld.pictures import save_pictures
+from research.tools_in_pushworld.precision import precision, verdicts
 from research.tools_in_pushworld.solutions import load_plan, replayed
 
 RESULTS = Path(__file__).parent / "results"
+PICTURE = Path(__file__).parents[2] / "docs" / "explanation" / "tools-in-pushworld.svg"
 
 
 def losses_of(puzzle_file: Path, solution: Path, targets: list[str]) -> list[dict[str, Any]]:
@@ -63,6 +67,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--puzzles", type=Path, required=True, help="PushWorld's folder")
     parser.add_argument("--out", type=Path, default=RESULTS, help="the folder to go on with")
+    parser.add_argument("--picture", type=Path, default=PICTURE, help="the six puzzles")
     parser.add_argument(
         "--patience",
         type=float,
@@ -73,13 +78,14 @@ def main() -> None:
     args.out.mkdir(parents=True, exist_ok=True)
     files = puzzle_files(args.puzzles)
 
-    cases = {file: cases_of(level, file, solution) for level, file, solution in files}
-    _write(args.out / "cases.csv", [row for rows in cases.values() for row in rows])
+    of_puzzle = {file: cases_of(level, file, solution) for level, file, solution in files}
+    cases = [row for rows in of_puzzle.values() for row in rows]
+    _write(args.out / "cases.csv", cases)
 
     rows = _rows(args.out / "losses.csv")
     done = {(row["level"], row["puzzle"]) for row in rows}
     for level, file, solution in files:
-        asked = measured_targets(cases[file])
+        asked = measured_targets(of_puzzle[file])
         if not asked or (level, file.stem) in done:
             continue
         start = time.perf_counter()
@@ -107,6 +113,13 @@ def main() -> None:
         rows.append(about | feasible(puzzle, args.patience))
         _write(args.out / "feasible.csv", rows)
         print(*rows[-1].values(), flush=True)
+
+    tables = [pl.DataFrame(cases), pl.read_csv(args.out / "losses.csv")]
+    found = precision(verdicts(*tables))
+    _write(args.out / "precision.csv", found.to_dicts())
+    for piece in pieces(tables[0], found, pl.read_csv(args.out / "feasible.csv")):
+        print(piece, end="\n\n")
+    save_pictures(args.puzzles, *tables, args.picture)
 
 
 if __name__ == "__main__":

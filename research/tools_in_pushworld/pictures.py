@@ -8,14 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from habilis.bridges.puzzle_shapes import body_colours
 from habilis.bridges.pushworld import PushWorld, load_pushworld
+from habilis.bridges.puzzle_shapes import body_colours
 from habilis.worlds.pictures.figures import draw_world, new_figure, save_figure
-from habilis.worlds.pictures.shapes import INK, STEEL
+from habilis.worlds.pictures.shapes import INK
 from research.tools_in_pushworld.cases import SHOWN
 
 HORIZON = 12
-_ACROSS, _DOWN = 1180, 1010  # pixels
+_ACROSS, _DOWN = 1180, 1080  # pixels
+_SAMPLE = "#a9cbe0"  # a movable's colour, in the key
 
 
 def save_pictures(
@@ -49,46 +50,58 @@ def figure_of(
     figure = new_figure(_ACROSS, _DOWN)
     for place, (name, puzzle) in enumerate(puzzles.items()):
         row, column = divmod(place, 3)
-        left, top = 0.02 + column / 3, 0.985 - 0.5 * row
+        left, top = 0.02 + column / 3, 0.99 - 0.475 * row
         title = f"{name}: target {targets[name][1:]}"
-        figure.text(left, top - 0.012, title, fontsize=11, fontweight="bold", color=INK, va="top")
-        of_map = figure.add_axes((left, top - 0.34, 0.29, 0.295))
+        figure.text(left, top, title, fontsize=11, fontweight="bold", color=INK, va="top")
+        of_map = figure.add_axes((left, top - 0.305, 0.29, 0.28))
         draw_world(of_map, puzzle)
-        of_map.add_patch(
-            Rectangle((0, 0), puzzle.width, puzzle.height, fill=False, edgecolor=INK, linewidth=1.5)
-        )
+        whole = (0, 0), puzzle.width, puzzle.height
+        of_map.add_patch(Rectangle(*whole, fill=False, edgecolor=INK, clip_on=False))
         of_map.set_anchor("NW")
         key = (pl.col("puzzle") == name) & (pl.col("target") == targets[name])
         table = losses.filter(key & (pl.col("horizon") == HORIZON)).join(
             cases.filter(key), on=["level", "puzzle", "target", "object"]
         )
-        bars = figure.add_axes((left + 0.035, top - 0.465, 0.25, 0.115))
+        bars = figure.add_axes((left + 0.015, top - 0.415, 0.275, 0.095))
         _draw_losses(bars, table, body_colours(puzzle))
+    bars = [
+        Rectangle((0, 0), 1, 1, facecolor=_SAMPLE, edgecolor=INK),
+        Rectangle((0, 0), 1, 1, facecolor="white", edgecolor=INK, hatch="///"),
+    ]
+    labels = [f"bits of {HORIZON}-step object empowerment lost: fixed", "removed"]
+    figure.legend(bars, labels, loc=(0.015, 0.02), ncols=2, frameon=False, fontsize=9)
     return figure
 
 
 def _draw_losses(ax: Axes, table: pl.DataFrame, colours: Mapping[str, str]) -> None:
-    """For each movable a solid bar for the loss where it is fixed, a hollow one where removed."""
+    """For each movable a solid bar for the loss where it is fixed, a hatched one where removed."""
+    lowest, highest = -0.1, 0.5
     for place, row in enumerate(table.iter_rows(named=True)):
-        colour = colours[row["object"]]
-        fixed, removed = row["lost_fixed"], row["lost_removed"]
-        ax.bar(place - 0.2, fixed, 0.36, color=colour, edgecolor=INK, linewidth=0.8)
-        ax.bar(place + 0.2, removed, 0.36, color="white", edgecolor=INK, linewidth=0.8, hatch="///")
-        for x, bits in ((place - 0.2, fixed), (place + 0.2, removed)):
-            where = "bottom" if bits >= 0 else "top"
+        both = (row["lost_fixed"], row["lost_removed"])
+        looks = ({"color": colours[row["object"]]}, {"color": "white", "hatch": "///"})
+        for x, bits, look in zip((place - 0.2, place + 0.2), both, looks, strict=True):
+            ax.bar(x, bits, 0.36, **(look | {"edgecolor": INK, "linewidth": 0.8}))
+            up = bits > -0.005
             ax.annotate(
-                f"{bits:.2f}", (x, bits), (0, 1 if bits >= 0 else -1), fontsize=6.5,
-                textcoords="offset points", ha="center", va=where, color=INK,
-            )  # fmt: skip
-    names = [
-        f"{row['object'][1:]}\nused" if row["steps_through"] else row["object"][1:]
-        for row in table.iter_rows(named=True)
-    ]
-    ax.set_xticks(range(len(names)), names, fontsize=8)
-    ax.set_xlim(-0.6, len(names) - 0.4)
-    ax.margins(y=0.2)
+                f"{bits:.2f}" if abs(bits) >= 0.005 else "0",
+                (x, bits),
+                (0, 1 if up else -2),
+                textcoords="offset points",
+                fontsize=7,
+                ha="center",
+                va="bottom" if up else "top",
+                color=INK,
+            )
+        lowest, highest = min(lowest, *both), max(highest, *both)
+    span = highest - lowest
+    ax.set(ylim=(lowest - 0.15 * span, highest + 0.2 * span), xlim=(-0.6, max(len(table), 4) - 0.4))
     ax.axhline(0, color=INK, linewidth=0.8)
-    ax.tick_params(axis="y", labelsize=7, colors=STEEL)
-    ax.tick_params(axis="x", length=0)
-    ax.set_ylabel("bits lost", fontsize=7.5, color=INK)
-    ax.spines[["top", "right", "bottom"]].set_visible(False)
+    for place, row in enumerate(table.iter_rows(named=True)):
+        words = f"{row['object'][1:]}: used" if row["steps_through"] else row["object"][1:]
+        weight = "bold" if row["steps_through"] else "normal"
+        below = ax.get_xaxis_transform()
+        ax.text(
+            place, -0.02, words, transform=below, ha="center", va="top", fontsize=9, weight=weight
+        )
+    ax.set(xticks=[], yticks=[])
+    ax.set_frame_on(False)

@@ -1,6 +1,6 @@
 """How often the movable that a rule names is one that the solution uses."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -72,19 +72,17 @@ def precision(found: pl.DataFrame) -> pl.DataFrame:
     Returns:
         `horizon`, `rule`, `among` ("all" cases, or those where the loss "answers": some movable
         has a positive one), `puzzles`, `cases`, `precision`, `low`, `high`, and the mean difference
-        from `chance` and from `nearest` on the same cases, with its interval: `over_chance`,
+        from each of `BASELINES` on the same cases, with its interval: `over_chance`,
         `over_chance_low`, ...
     """
     rows = []
     for (horizon,), group in found.group_by(["horizon"], maintain_order=True):
         for rule in RULES:
-            rows.append(
-                {"horizon": horizon, "rule": rule, "among": "all"} | _precision(group, rule)
-            )
+            about = {"horizon": horizon, "rule": rule}
+            rows.append(about | {"among": "all"} | _precision(group, rule))
             if rule in LOSSES:
                 part = group.filter(pl.col(f"answers_{rule}"))
-                about = {"horizon": horizon, "rule": rule, "among": "answers"}
-                rows.append(about | _precision(part, rule))
+                rows.append(about | {"among": "answers"} | _precision(part, rule))
     return pl.DataFrame(rows, infer_schema_length=None)
 
 
@@ -92,16 +90,14 @@ def _precision(found: pl.DataFrame, rule: str) -> dict[str, Any]:
     if found.is_empty():
         return {"puzzles": 0, "cases": 0}
     values = by_puzzle(found)
-    right = values[rule]
-    return (
-        {"puzzles": len(right), "cases": len(found)}
-        | _interval("precision", right)
-        | _interval("over_chance", right - values["chance"])
-        | _interval("over_nearest", right - values["nearest"])
-    )
+    row: dict[str, Any] = {"puzzles": len(values[rule]), "cases": len(found)}
+    row |= _interval("precision", values[rule])
+    for other in BASELINES:
+        row |= _interval(f"over_{other}", values[rule] - values[other])
+    return row
 
 
-def _interval(name: str, values: Float64[np.ndarray, "puzzles"]) -> Mapping[str, float]:
+def _interval(name: str, values: Float64[np.ndarray, "puzzles"]) -> dict[str, float]:
     low, high = bootstrap_interval(values)
     ends = ("low", "high") if name == "precision" else (f"{name}_low", f"{name}_high")
     numbers = (float(mean(values)), float(low), float(high))

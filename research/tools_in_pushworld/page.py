@@ -1,0 +1,83 @@
+"""The numbers of docs/explanation/tools-in-pushworld.md, as its sentences and tables have them."""
+
+import polars as pl
+
+from research.tools_in_pushworld.cases import asks
+from research.tools_in_pushworld.losses import LADDER
+from research.tools_in_pushworld.precision import CASE
+
+_COLUMNS = ("chance", "largest", "nearest", "nearest_along", "lost_fixed", "lost_removed")
+
+
+def pieces(cases: pl.DataFrame, precision: pl.DataFrame, feasible: pl.DataFrame) -> list[str]:
+    """All that the page takes from the study's tables, in its order."""
+    return [
+        _counts(cases, feasible),
+        _precision(precision),
+        _answers(precision, ("lost_fixed", "lost_removed"), "nearest_along"),
+        _answers(precision, ("fixed_first", "removed_first"), "nearest"),
+        _feasible(feasible),
+    ]
+
+
+def _counts(cases: pl.DataFrame, feasible: pl.DataFrame) -> str:
+    """What is left of the puzzles."""
+    every = dict(cases.filter("goal").group_by(CASE))
+    using = [key for key, group in every.items() if group["steps_through"].sum()]
+    asked = [key for key, group in every.items() if asks(group.to_dicts())]
+    targets = int(feasible["targets"].sum())
+    rows = [
+        ("all of levels 1 and 2", len(feasible), targets),
+        ("with another movable", len({key[:2] for key in every}), len(every)),
+        ("the solution pushes the target through one", len({key[:2] for key in using}), len(using)),
+        ("and not through all of them: counted", len({key[:2] for key in asked}), len(asked)),
+    ]
+    return _table(["", "puzzles", "targets"], [[name, *map(str, rest)] for name, *rest in rows])
+
+
+def _precision(precision: pl.DataFrame) -> str:
+    """Each rule's precision by the horizon."""
+    words = ["chance", "largest", "nearest at first", "nearest along", "lost fixed", "lost removed"]
+    rows = []
+    for (horizon,), group in precision.filter(among="all").group_by("horizon", maintain_order=True):
+        of = {row["rule"]: row for row in group.iter_rows(named=True)}
+        cells = [_interval(of[rule]) for rule in _COLUMNS]
+        rows.append([str(horizon), str(of["chance"]["puzzles"]), *cells])
+    return _table(["h", "puzzles", *words], rows)
+
+
+def _answers(precision: pl.DataFrame, rules: tuple[str, str], baseline: str) -> str:
+    """In how many puzzles a loss answers, how well, and how much better than the nearest."""
+    rows = []
+    answered = precision.filter(among="answers")
+    for (horizon,), group in answered.group_by("horizon", maintain_order=True):
+        cells = [str(horizon)]
+        for rule in rules:
+            row = group.row(by_predicate=pl.col("rule") == rule, named=True)
+            cells += [str(row["puzzles"]), _interval(row), _interval(row, f"over_{baseline}")]
+        rows.append(cells)
+    ends = ("puzzles", "precision", "above nearest")
+    heads = [f"{kind}: {end}" for kind in ("fixed", "removed") for end in ends]
+    return _table(["h", *heads], rows)
+
+
+def _feasible(feasible: pl.DataFrame) -> str:
+    """How many puzzles are feasible up to which horizon."""
+    rows = []
+    for horizon in LADDER:
+        count = len(feasible.filter(pl.col("horizon") >= horizon))
+        rows.append([str(horizon), str(count)])
+    return _table(["horizon", "puzzles"], rows)
+
+
+def _interval(row: dict[str, float], name: str = "precision") -> str:
+    ends = ("low", "high") if name == "precision" else (f"{name}_low", f"{name}_high")
+    if row[name] is None:
+        return "–"
+    middle, low, high = (f"{row[column]:.2f}".replace("-", "−") for column in (name, *ends))
+    return f"{middle} ({low} to {high})"
+
+
+def _table(heads: list[str], rows: list[list[str]]) -> str:
+    lines = [heads, ["---", *["--:"] * (len(heads) - 1)], *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
