@@ -4,7 +4,7 @@ BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
 
-.PHONY: test test-slow test-long test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings survey \
+.PHONY: test test-slow test-long test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings tools survey \
 	bench bench-sb3 page studio-picture clean
 
 # The whole product, on all processors, the tests of a file together: four minutes on two cores.
@@ -85,6 +85,13 @@ reconstruct: $(INSTALLED)
 # was stopped.
 readings: $(INSTALLED)
 	$(BIN)/python -m research.readings
+
+# Whether object empowerment finds the tools of PushWorld's puzzles: research/tools_in_pushworld/results and
+# docs/explanation/tools-in-pushworld.md. The puzzles are not ours: PUZZLES is a folder with puzzles/ and solutions/ of them.
+# Half an hour; goes on where it was stopped.
+PUZZLES ?= ../shared/pushworld
+tools: $(INSTALLED)
+	$(BIN)/python -m research.tools_in_pushworld --puzzles $(PUZZLES)
 
 # Every small environment of Minigrid and toy-text, by ours and by a search of its own: the table in
 # docs/explanation/is-it-right.md. An hour; goes on where it was stopped.

@@ -55,6 +55,10 @@ def _short(bits: float) -> float:
     return round(float(bits), 5) + 0.0  # no -0.0
 
 
+def _order(row: dict[str, Any]) -> tuple[str, str]:
+    return row["level"], row["puzzle"]
+
+
 def _rows(path: Path) -> list[dict[str, Any]]:
     return pl.read_csv(path, infer_schema_length=None).to_dicts() if path.exists() else []
 
@@ -91,6 +95,7 @@ def main() -> None:
         start = time.perf_counter()
         found = losses_of(file, solution, asked)
         rows += [{"level": level, "puzzle": file.stem} | row for row in found]
+        rows.sort(key=_order)
         _write(args.out / "losses.csv", rows)
         seconds = time.perf_counter() - start
         print(file.stem, asked, found[-1]["horizon"], f"{seconds:.1f} s", flush=True)
@@ -110,11 +115,13 @@ def main() -> None:
             "targets": len(targets_of(puzzle)),
             "plan": len(load_plan(solution)),
         }
-        rows.append(about | feasible(puzzle, args.patience))
+        found = about | feasible(puzzle, args.patience)
+        rows.append(found)
+        rows.sort(key=_order)
         _write(args.out / "feasible.csv", rows)
-        print(*rows[-1].values(), flush=True)
+        print(*found.values(), flush=True)
 
-    tables = [pl.DataFrame(cases), pl.read_csv(args.out / "losses.csv")]
+    tables = pl.DataFrame(cases), pl.read_csv(args.out / "losses.csv")
     found = precision(verdicts(*tables))
     _write(args.out / "precision.csv", found.to_dicts())
     for piece in pieces(tables[0], found, pl.read_csv(args.out / "feasible.csv")):

@@ -60,7 +60,7 @@ def figure_of(
         of_map.set_anchor("NW")
         key = (pl.col("puzzle") == name) & (pl.col("target") == targets[name])
         table = losses.filter(key & (pl.col("horizon") == HORIZON)).join(
-            cases.filter(key), on=["level", "puzzle", "target", "object"]
+            cases.filter(key), on=["level", "puzzle", "target", "object"], maintain_order="left"
         )
         bars = figure.add_axes((left + 0.015, top - 0.415, 0.275, 0.095))
         _draw_losses(bars, table, body_colours(puzzle))
@@ -78,9 +78,9 @@ def _draw_losses(ax: Axes, table: pl.DataFrame, colours: Mapping[str, str]) -> N
     lowest, highest = -0.1, 0.5
     for place, row in enumerate(table.iter_rows(named=True)):
         both = (row["lost_fixed"], row["lost_removed"])
-        looks = ({"color": colours[row["object"]]}, {"color": "white", "hatch": "///"})
+        looks = ((colours[row["object"]], ""), ("white", "///"))
         for x, bits, look in zip((place - 0.2, place + 0.2), both, looks, strict=True):
-            ax.bar(x, bits, 0.36, **(look | {"edgecolor": INK, "linewidth": 0.8}))
+            ax.bar(x, bits, 0.36, color=look[0], hatch=look[1], edgecolor=INK, linewidth=0.8)
             up = bits > -0.005
             ax.annotate(
                 f"{bits:.2f}" if abs(bits) >= 0.005 else "0",

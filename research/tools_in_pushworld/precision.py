@@ -40,7 +40,7 @@ def verdicts(cases: pl.DataFrame, losses: pl.DataFrame) -> pl.DataFrame:
         `answers_...`, for each loss, whether some movable has a positive one.
     """
     rows = []
-    joined = losses.join(cases, on=[*CASE, "object"], how="inner")
+    joined = losses.join(cases, on=[*CASE, "object"], how="inner", maintain_order="left")
     for key, group in joined.group_by([*CASE, "horizon"], maintain_order=True):
         if asks(group.to_dicts()):
             row = dict(zip((*CASE, "horizon"), key, strict=True))
