@@ -25,7 +25,7 @@ from research.tools_in_pushworld.precision import precision, verdicts
 from research.tools_in_pushworld.solutions import load_plan, replayed
 
 RESULTS = Path(__file__).parent / "results"
-PICTURE = Path(__file__).parents[2] / "docs" / "explanation" / "tools-in-pushworld.svg"
+PICTURE = Path(__file__).parents[2] / "docs" / "explanation" / "tools-in-pushworld.png"
 
 
 def losses_of(puzzle_file: Path, solution: Path, targets: list[str]) -> list[dict[str, Any]]:

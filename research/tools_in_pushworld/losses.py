@@ -16,7 +16,7 @@ from habilis.models.limits import TooManyStatesError
 STATES, BUDGET = 6, 8_000_000
 HORIZONS = (2, 3, 5, 8, 12, 16, 20)
 LADDER = (12, 16, 20, 24, 28, 32, 40, 50, 64, 80, 100)
-MOST_STATES, SECONDS, PATIENCE = 10_000_000, 60.0, 2.0
+MOST_STATES, SECONDS, PATIENCE = 10_000_000, 60.0, 8.0
 
 
 def chosen_states(states: Sequence[State], count: int = STATES) -> list[State]:

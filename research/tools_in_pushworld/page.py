@@ -1,5 +1,7 @@
 """The numbers of docs/explanation/tools-in-pushworld.md, as its sentences and tables have them."""
 
+from collections.abc import Mapping
+
 import polars as pl
 
 from research.tools_in_pushworld.cases import asks
@@ -10,13 +12,51 @@ _COLUMNS = ("chance", "largest", "nearest", "nearest_along", "lost_fixed", "lost
 
 
 def pieces(cases: pl.DataFrame, precision: pl.DataFrame, feasible: pl.DataFrame) -> list[str]:
-    """All that the page takes from the study's tables, in its order."""
+    """All that the page takes from the study's tables: tables and parts of sentences."""
     return [
+        *_sentences(precision),
         _counts(cases, feasible),
         _precision(precision),
         _answers(precision, ("lost_fixed", "lost_removed"), "nearest_along"),
         _answers(precision, ("fixed_first", "removed_first"), "nearest"),
+        *_times(feasible),
         _feasible(feasible),
+    ]
+
+
+def _sentences(precision: pl.DataFrame) -> list[str]:
+    every = {rule: _by_horizon(precision, rule, "all") for rule in _COLUMNS}
+    spans = {rule: _span(its) for rule, its in every.items()}
+    removed = _by_horizon(precision, "lost_removed", "answers")
+    over = precision.filter(rule="lost_fixed", among="all")
+    lead = pl.col("over_nearest_along_low").round(2) <= 0
+    first = precision.filter(rule="fixed_first", horizon=12).sort("among")["puzzles"].to_list()
+    return [
+        f"in {spans['lost_fixed']} of the puzzles, by the horizon; chance is {spans['chance']}",
+        f"the largest movable {spans['largest']}, the nearest {spans['nearest_along']}",
+        f"right in {_span(removed)} of those",
+        f"a lead of {_span(dict(enumerate(over['over_nearest_along'])))}",
+        f"its interval reaches zero at {len(over.filter(lead))} of {len(over)} horizons",
+        f"falls from {every['lost_removed'][3]:.2f} at horizon 3 to "
+        f"{every['lost_removed'][16]:.2f} at 16",
+        f"In {first[0] - first[1]} of the {first[0]} puzzles nothing is lost within 12 actions",
+    ]
+
+
+def _by_horizon(precision: pl.DataFrame, rule: str, among: str) -> dict[int, float]:
+    rows = precision.filter(rule=rule, among=among)
+    return dict(zip(rows["horizon"], rows["precision"], strict=True))
+
+
+def _span(values: Mapping[int, float]) -> str:
+    return f"{min(values.values()):.2f} to {max(values.values()):.2f}"
+
+
+def _times(feasible: pl.DataFrame) -> list[str]:
+    seconds = feasible["seconds_20"].drop_nulls()
+    return [
+        f"**{len(seconds)} of the {len(feasible)} puzzles**",
+        f"in {seconds.median():.1f} seconds in the median and {seconds.max():.0f} in the longest",
     ]
 
 
@@ -74,7 +114,8 @@ def _interval(row: dict[str, float], name: str = "precision") -> str:
     ends = ("low", "high") if name == "precision" else (f"{name}_low", f"{name}_high")
     if row[name] is None:
         return "–"
-    middle, low, high = (f"{row[column]:.2f}".replace("-", "−") for column in (name, *ends))
+    numbers = (round(row[column], 2) + 0.0 for column in (name, *ends))  # no -0.00
+    middle, low, high = (f"{number:.2f}".replace("-", "−") for number in numbers)
     return f"{middle} ({low} to {high})"
 
 
