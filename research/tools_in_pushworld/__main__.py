@@ -124,7 +124,7 @@ def main() -> None:
     tables = pl.DataFrame(cases), pl.read_csv(args.out / "losses.csv")
     found = precision(verdicts(*tables))
     _write(args.out / "precision.csv", found.to_dicts())
-    for piece in pieces(tables[0], found, pl.read_csv(args.out / "feasible.csv")):
+    for piece in pieces(*tables, found, pl.read_csv(args.out / "feasible.csv")):
         print(piece, end="\n\n")
     save_pictures(args.puzzles, *tables, args.picture)
 
