@@ -14,7 +14,7 @@ from typing import Any
 
 import polars as pl
 
-from habilis.bridges.pushworld import load_pushworld
+from habilis.bridges.puzzles.pushworld import load_pushworld
 from habilis.files import write_whole
 from habilis.models.limits import TooManyStatesError
 from research.tools_in_pushworld.cases import cases_of, measured_targets, puzzle_files, targets_of

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from habilis.bridges.pushworld import PushWorld, State, load_pushworld
+from habilis.bridges.puzzles.pushworld import PushWorld, State, load_pushworld
 from habilis.worlds.grid import Cell
 from research.tools_in_pushworld.losses import chosen_states
 from research.tools_in_pushworld.solutions import (

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from habilis.bridges.pushworld import OBJECT, PushWorld, State
+from habilis.bridges.puzzles.pushworld import OBJECT, PushWorld, State
 from habilis.empowerment.api import empowerment
 from habilis.models.explore import explore
 from habilis.models.limits import TooManyStatesError

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from habilis.bridges.pushworld import PushWorld, load_pushworld
-from habilis.bridges.puzzle_shapes import body_colours
+from habilis.bridges.puzzles.pushworld import PushWorld, load_pushworld
+from habilis.bridges.puzzles.shapes import body_colours
 from habilis.worlds.pictures.figures import draw_world, new_figure, save_figure
 from habilis.worlds.pictures.shapes import INK
 from research.tools_in_pushworld.cases import SHOWN

@@ -5,8 +5,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from habilis.bridges.bodies import STEPS
-from habilis.bridges.pushworld import PushWorld, State
+from habilis.bridges.puzzles.bodies import STEPS
+from habilis.bridges.puzzles.pushworld import PushWorld, State
 from habilis.worlds.grid import Cell
 
 _LETTERS = "LRUD"
