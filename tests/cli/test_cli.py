@@ -302,7 +302,7 @@ def test_bad_input_is_one_line_exit_2_and_nothing_on_disk(
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("A.PC\n.G\n", "line 2, column 3: the row has 2 cells and the first row has 4; make all"),
+        ("A.PC\n.G\n", "line 2, column 3: the row has 2 cells and the first row has 4; give all"),
         ("; a map\nA.PX\n", "line 2, column 4: unknown character 'X'; use one of"),
         ("AA.CG\n", "line 1, column 2: a second agent 'A', the first is at line 1, column 1"),
         ("A...G\n", "the map has no can; put one 'C' on a floor cell"),

@@ -137,7 +137,7 @@ def test_a_loss_that_is_not_finite_stops_the_run(room):
         ("runs", "3", "give a whole number"),
         ("entropy", float("inf"), "give a finite number"),
         ("seed", 2**32, "give one below 4294967296"),
-        ("world", 3, "give a string"),
+        ("world", 3, "world is 3; give a name, a path or a table"),
         ("beta", 0.1, "give both the reward and its weight"),
         ("intrinsic", "object", "give both the reward and its weight"),
         ("hidden", (), "at least one width"),

@@ -99,7 +99,7 @@ class Config:
     def __post_init__(self) -> None:
         if not isinstance(self.world, str | TabularMDP):
             raise ValueError(
-                f"world is a {type(self.world).__name__}; give a name, a path or a table, such as "
+                f"world is {self.world!r:.60}; give a name, a path or a table, such as "
                 "habilis.explore(model)"
             )
         check_types(self, besides=["world"] if isinstance(self.world, TabularMDP) else [])
