@@ -253,7 +253,7 @@ def test_the_best_return_of_a_stochastic_table_is_that_of_a_search_of_all_decisi
 
 @pytest.mark.ill_typed
 def test_a_model_in_the_place_of_its_table_is_refused():
-    with pytest.raises(ValueError, match="world is {}; give a name, a path or a table"):
+    with pytest.raises(ValueError, match=r"world is \{\}; give a name, a path or a table"):
         hb.Config(world={})  # pyright: ignore[reportArgumentType]
 
 
