@@ -137,6 +137,7 @@ def test_a_second_driver_is_refused(spec, tmp_path, capsys):
     process = start(spec, folder)
     try:
         wait_for(process, folder, 1)
+        process.send_signal(signal.SIGSTOP)  # or it may be done before we ask
         assert main(["sweep", str(spec), "--out", str(folder), "--resume"]) == 2
         assert "another process" in capsys.readouterr().err
     finally:
