@@ -15,7 +15,7 @@ test: $(INSTALLED)
 test-slow: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist loadfile -m slow
 
-# Further variants of what the slow tests prove, before a release. A quarter of an hour.
+# Further variants of what the slow tests prove, before a release. Half an hour.
 test-long: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist loadfile -m long
 
