@@ -469,3 +469,13 @@ def test_a_plan_from_a_terminal_state_goes_no_further_than_it_must(start):
 def test_a_stochastic_model_has_no_plan():
     with pytest.raises(ValueError, match="the model is stochastic, so that no sequence of actions"):
         hb.solve(Slippery())
+
+
+def test_an_environment_and_a_world_have_plans_too():
+    gymnasium = pytest.importorskip("gymnasium")
+    env = gymnasium.make("FrozenLake-v1", is_slippery=False)
+    plan, of_table = hb.solve(env), hb.solve(hb.TabularMDP.from_gymnasium(env))
+    assert plan is not None
+    assert plan == of_table
+    world = hb.World.parse("A.C..G")
+    assert hb.solve(world) == hb.solve(hb.tabulate(world))

@@ -168,18 +168,15 @@ def landscape(
     if isinstance(model, World):
         _check_table(model, slip, tool, mdp)
         shown, mdp, states = asked(model, horizon, sensor, slip, tool, object, mdp, show)
+    elif isinstance(model, PushWorld):
+        if tool is not None or mdp is not None:
+            raise ValueError(f"{model.name} is a puzzle; leave out tool and mdp")
+        shown, mdp, states = asked_of_puzzle(model, horizon, object, show)
+        mdp = mdp.slippery(slip)
     else:
-        is_puzzle = isinstance(model, PushWorld)
-        if tool is not None or mdp is not None or (object is not None and not is_puzzle):
-            kind = (
-                "puzzle; leave out tool and mdp" if is_puzzle else "map; leave out tool and object"
-            )
-            name = model.name if is_puzzle else type(model).__name__
-            raise ValueError(f"{name} is {'a' if is_puzzle else 'no'} {kind}")
-        if isinstance(model, PushWorld):
-            shown, mdp, states = asked_of_puzzle(model, horizon, object, show)
-        else:
-            shown, mdp, states = asked_of_model(model, show)
+        if tool is not None or object is not None or mdp is not None:
+            raise ValueError(f"{type(model).__name__} is no map; leave out tool, object and mdp")
+        shown, mdp, states = asked_of_model(model, show)
         mdp = mdp.slippery(slip)
     values = np.full(shown.height * shown.width, np.nan)
     bits = empowerment(mdp, horizon, sensor, actions, states, **options)

@@ -10,7 +10,7 @@ from habilis.worlds.grid import Cell
 
 
 def puzzle_of(args: Args, name: str, without: Sequence[str] = ("tool",)) -> PushWorld | None:
-    """The same for a verb.
+    """The puzzle that a verb is given; `None` if the name is not that of a puzzle's file.
 
     Args:
         args: the arguments.

@@ -15,7 +15,7 @@ from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.bridges.puzzles.sokoban import puzzle_named
 from habilis.envs.rendering import FRAMES_PER_SECOND, in_terminal
 from habilis.envs.table import MAX_STEPS
-from habilis.envs.vector import Stepped, autoreset_of, checked_actions, final_info
+from habilis.envs.vector import Stepped, autoreset_of, checked_actions, ended_error, final_info
 from habilis.worlds.pictures.figures import frame
 
 MODES = ("ansi", "rgb_array")
@@ -162,10 +162,7 @@ class PushWorldVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def step(self, actions: Any) -> Stepped:
         chosen = checked_actions(actions, self.num_envs, len(self.puzzle.actions))
         if self._mode is AutoresetMode.DISABLED and self._ended.any():
-            raise ValueError(
-                f"the episode of environment {int(np.argmax(self._ended))} has ended; "
-                'reset it first, with options={"reset_mask": ...}'
-            )
+            raise ended_error(self._ended)
         begins = self._ended & (self._mode is AutoresetMode.NEXT_STEP)
         self.state = self.puzzle.step_many(self.state, chosen)
         self._steps += 1

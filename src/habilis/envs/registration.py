@@ -4,12 +4,13 @@ import gymnasium
 from gymnasium.envs.registration import registry
 
 MAX_STEPS = 500
+"""Steps after which an episode is cut off, unless set otherwise."""
 
 _WORLDS = {"Corridor": {"world": "corridor"}, "Yard": {"world": "yard"}, "World": {}}
 
 
 def register() -> None:
-    """Registers "habilis/Corridor-v0", "habilis/Yard-v0", "habilis/World-v0" and "PushWorld-v0"."""
+    """Registers the worlds and "habilis/PushWorld-v0"; what is registered already stays."""
     for name, arguments in _WORLDS.items():
         if f"habilis/{name}-v0" not in registry:
             gymnasium.register(

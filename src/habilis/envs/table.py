@@ -10,12 +10,9 @@ from jaxtyping import Int8, Shaped
 
 from habilis.checks import is_probability
 from habilis.envs.observations import Observation, ranks
+from habilis.envs.registration import MAX_STEPS
 from habilis.mdp import TabularMDP
 from habilis.transitions import Transitions
-
-MAX_STEPS = 500
-"""Steps after which an episode is cut off, unless set otherwise."""
-
 
 ACTION_MASK = "action_mask"
 """The key of `info` with the available actions, where some are not available everywhere."""

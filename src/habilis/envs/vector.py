@@ -123,10 +123,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def step(self, actions: Any) -> Stepped:
         chosen = self._checked(actions)
         if self._mode is AutoresetMode.DISABLED and self._any:
-            raise ValueError(
-                f"the episode of environment {int(np.argmax(self._ended))} has ended; "
-                'reset it first, with options={"reset_mask": ...}'
-            )
+            raise ended_error(self._ended)
         begins = self._ended if self._mode is AutoresetMode.NEXT_STEP and self._any else None
         transition = self.state * self._actions
         transition += chosen
@@ -203,6 +200,14 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def _final(self, mask: Bool[np.ndarray, "N"]) -> dict[str, Any]:
         """The last observations and infos of episodes that end, in Gymnasium's format."""
         return final_info(mask, self._show(self.state[mask]), self._info())
+
+
+def ended_error(ended: Bool[np.ndarray, "N"]) -> ValueError:
+    """The error of a step after an episode's end, where the caller has to reset."""
+    return ValueError(
+        f"the episode of environment {int(np.argmax(ended))} has ended; "
+        'reset it first, with options={"reset_mask": ...}'
+    )
 
 
 def checked_actions(actions: Any, num_envs: int, count: int) -> Int[np.ndarray, "N"]:

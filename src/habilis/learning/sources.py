@@ -1,22 +1,19 @@
 """The sources of training problems: worlds, and tables that no map was made of."""
 
-import re
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from habilis.bridges import table_files
+from habilis.bridges.puzzles.pushworld import PushWorld
+from habilis.bridges.puzzles.sokoban import names_puzzle, puzzle_named
 from habilis.cache import table_digest
 from habilis.learning.config import BY_DIGEST, Config
 from habilis.mdp import TabularMDP
 from habilis.models import explore
-from habilis.worlds.world import World, load_world
+from habilis.worlds.world import ENVIRONMENT, World, load_world
 
-if TYPE_CHECKING:
-    from habilis.bridges.puzzles.pushworld import PushWorld
-
-GYM = "gym:"
-_PUZZLE = re.compile(r".+\.(pwp|xsb(#\d+)?)", re.IGNORECASE | re.DOTALL)
+_KEPT = 4  # environments, whose tables take long to make and serve all points of a sweep
 
 
 @dataclass(frozen=True)
@@ -58,21 +55,27 @@ def names_table(world: str | TabularMDP) -> bool:
     """Whether the world of a configuration is a table, and not a map."""
     if isinstance(world, TabularMDP):
         return True
-    file = table_files.names_table(world) or _PUZZLE.fullmatch(world)
-    return world.startswith((GYM, BY_DIGEST)) or bool(file)
+    if table_files.names_table(world) or names_puzzle(world):
+        return True
+    return world.startswith((ENVIRONMENT, BY_DIGEST))
 
 
-def puzzle_of(config: Config) -> "PushWorld | None":
+def puzzle_of(config: Config) -> PushWorld | None:
     """The puzzle whose file a configuration names, if it names one.
 
     Raises:
         ValueError: the file cannot be read, or is none.
     """
-    if not isinstance(config.world, str) or not _PUZZLE.fullmatch(config.world):
-        return None
-    from habilis.bridges.puzzles.sokoban import puzzle_named
+    return puzzle_named(config.world) if isinstance(config.world, str) else None
 
-    return puzzle_named(config.world)
+
+@lru_cache(_KEPT)
+def _environment(world: str) -> NamedTable:
+    """The table of a Gymnasium environment, by its name with "gym:"."""
+    from habilis.bridges.gymnasium.named import limit_named, table_named
+
+    name = world.removeprefix(ENVIRONMENT)
+    return NamedTable.of(world, table_named(name), limit_named(name))
 
 
 def source_of(config: Config) -> Source:
@@ -86,11 +89,8 @@ def source_of(config: Config) -> Source:
         return load_world(named, config.tool)
     if isinstance(named, TabularMDP):
         found = NamedTable.of("table", named)
-    elif named.startswith(GYM):
-        from habilis.bridges.gymnasium.named import limit_named, table_named
-
-        env = named.removeprefix(GYM)
-        found = NamedTable.of(named, table_named(env), limit_named(env))
+    elif named.startswith(ENVIRONMENT):
+        found = _environment(named)
     elif table_files.names_table(named):
         found = NamedTable.of(Path(named).stem, table_files.table_named(named))
     elif (puzzle := puzzle_of(config)) is not None:

@@ -142,6 +142,7 @@ def expected_returns(world: Source, conditions: Conditions, limit: int) -> Float
     return returns
 
 
+@lru_cache(KEPT)
 def margin(world: Source, conditions: Conditions, limit: int) -> float:
     """How close to the best return is close enough to have converged.
 

@@ -117,10 +117,12 @@ def explore_to_end(
 ) -> TabularMDP:
     """As `explore`, but no further than it takes to enter a terminal state."""
     terminal = many(model, "terminal")
-    until = None if terminal is None else lambda newest: bool(np.any(terminal(newest)))
+    if terminal is None:  # as of an environment, or a world
+        return explored(model, states, Limits(None, max_states), show_progress)
     near = explored(model, states, Limits(0, max_states), False)
-    if terminal is None or not near.terminal[near.start]:
-        return explored(model, states, Limits(None, max_states, until), show_progress)
+    if not near.terminal[near.start]:
+        until = Limits(None, max_states, lambda newest: bool(np.any(terminal(newest))))
+        return explored(model, states, until, show_progress)
     # From a terminal state, the nearest one to enter may be itself, which is no new state.
     horizon, before = 1, 0
     while True:

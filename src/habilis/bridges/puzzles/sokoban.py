@@ -132,6 +132,11 @@ def _decoded(line: str) -> list[Row]:
     return rows if len(rows) == 1 or rows[-1] else rows[:-1]
 
 
+def names_puzzle(name: str) -> bool:
+    """Whether a name is that of a puzzle's file, such as `levels.xsb#3`."""
+    return bool(_PUSHWORLD.fullmatch(name) or _SOKOBAN.fullmatch(name))
+
+
 def puzzle_named(name: str) -> PushWorld | None:
     """The puzzle in a file; `None` if the name is not that of such a file.
 
