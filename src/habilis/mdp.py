@@ -20,6 +20,8 @@ from habilis.mdp_arguments import (
     simplest,
     transition_matrix,
 )
+from habilis.mdp_description import contents, described
+from habilis.reprs import quietly, short, table_html
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -90,6 +92,7 @@ class TabularMDP:
         cells: the factors whose labels are cells of `shape`; `None`: all but "held" and "laid".
         model_states: the states of the model that `explore` made the table of, or the names that a
             file has for them, if any.
+        drawn: the world or puzzle that it is the table of, which pictures of its states take.
     """
 
     transitions: "Int32[np.ndarray, 'S A'] | csr_array"
@@ -104,6 +107,18 @@ class TabularMDP:
     entry_reward: Float32[np.ndarray, "S"] | None = None
     cells: frozenset[str] | None = None
     model_states: "ModelStates | None" = field(default=None, repr=False)
+    drawn: Any = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        return short("TabularMDP", *described(self))
+
+    @quietly
+    def _repr_html_(self) -> str:
+        """What there is of it, and of a map the picture of its start, for notebooks."""
+        from habilis.worlds.pictures.states import start_image
+
+        picture = start_image(self)
+        return table_html("TabularMDP", contents(self), *([] if picture is None else [picture]))
 
     @classmethod
     def deterministic(
@@ -346,8 +361,8 @@ class TabularMDP:
         return load(path)
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickles: the environment that a table was made of stays behind."""
-        return vars(self) | {"origin": None}
+        """For pickles: the environment or map that a table was made of stays behind."""
+        return vars(self) | {"origin": None, "drawn": None}
 
     def restore(self, state: int | np.integer) -> Any:
         """An environment in a state of a table that `from_gymnasium` made.

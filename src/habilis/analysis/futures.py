@@ -26,6 +26,7 @@ from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
 from habilis.progress import progress_bar
+from habilis.reprs import counted, short
 from habilis.worlds.world import World
 
 if TYPE_CHECKING:
@@ -63,6 +64,15 @@ class Futures:
     probability: Float64[np.ndarray, "k"]
     observations: Int64[np.ndarray, "m"]
     channel: Float64[np.ndarray, "k m"]
+
+    def __repr__(self) -> str:
+        return short(
+            "Futures",
+            f"{self.empowerment:.4f} {self.unit}, gap {self.gap:.1e}",
+            f"{counted(len(self.sequences), 'sequence')} of "
+            f"{counted(self.sequences.shape[1], 'action')}, "
+            f"{counted(len(self.observations), 'observation')}",
+        )
 
     @property
     def seen(self) -> Float64[np.ndarray, "m"]:

@@ -18,6 +18,7 @@ from habilis.empowerment.sensors import Sensor
 from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel
+from habilis.reprs import counted, quietly, short
 from habilis.worlds.placements import Factors
 from habilis.worlds.things import Where
 from habilis.worlds.world import World
@@ -110,6 +111,14 @@ class Landscape:
         else:
             save_table(self.to_dataframe(), path)
 
+    def __repr__(self) -> str:
+        there = self.values[np.isfinite(self.values)]
+        most = f" to {there.max():.2f}" if there.size else ""
+        least = f"{there.min():.2f}" if there.size else "no"
+        where = f"{least}{most} {self.unit} in {counted(there.size, 'cell')}"
+        return short("Landscape", self.world.name, self.title, where)
+
+    @quietly
     def _repr_png_(self) -> bytes:
         """The picture, for notebooks."""
         from io import BytesIO

@@ -25,6 +25,7 @@ from habilis.empowerment.methods import Exact, bounds_of
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.files import save_whole, suffix_of
 from habilis.progress import progress_bar
+from habilis.reprs import quietly, short
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import NO_TOOL, World
@@ -160,6 +161,20 @@ class Pairs:
         else:
             save_table(self.to_dataframe(), path)
 
+    def __repr__(self) -> str:
+        first = max(map(len, self.tools))
+        widths = [max(len(name), len("0.00")) + 2 for name in self.objects]
+        rows = [("", self.objects)]
+        for tool, values in zip(self.tools, self.averages[-1], strict=True):
+            rows.append((tool, tuple(f"{value:.2f}" for value in values)))
+        lines = [
+            f"{name:<{first}}" + "".join(f"{c:>{w}}" for c, w in zip(cells, widths, strict=True))
+            for name, cells in rows
+        ]
+        title = short("Pairs", self.title, f"{self.unit} for h = {self.horizon}")
+        return "\n".join([title, *lines])
+
+    @quietly
     def _repr_png_(self) -> bytes:
         """The picture, for notebooks."""
         from io import BytesIO

@@ -10,6 +10,7 @@ from habilis.analysis.averages import NOTHING, compared_states, held
 from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.mdp import TabularMDP
+from habilis.reprs import counted, short
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import NO_TOOL, World
 
@@ -48,6 +49,15 @@ class Usefulness:
     average_without: float
     gap_with_tool: float
     gap_without: float
+
+    def __repr__(self) -> str:
+        better, worse = (flags.mean() for flags in (self.better_than_none, self.encumbers))
+        return short(
+            "Usefulness",
+            f"{self.average_with_tool:.4f} with the tool, {self.average_without:.4f} without",
+            f"better than none in {better:.0%} of {counted(len(self.states), 'state')}",
+            f"encumbers in {worse:.0%}",
+        )
 
     @property
     def useful_on_average(self) -> bool:

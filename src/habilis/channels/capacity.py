@@ -10,12 +10,14 @@ from jaxtyping import Float64, Int64, Integer
 from habilis.callers import caller_outside
 from habilis.checks import is_number
 from habilis.probabilities import row_stochastic, shape_of
+from habilis.reprs import bars_svg, counted, quietly, short, table_html
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from habilis.channels.bounds import Channel
 
+_UNUSED = 1e-9  # inputs with less probability are not counted as used
 _DENSE_FROM = 0.1  # share of entries that are not 0 from which a dense matrix is faster
 
 
@@ -36,6 +38,19 @@ class Capacity:
     bits: float
     gap: float
     input_distribution: Float64[np.ndarray, "n"]
+
+    def __repr__(self) -> str:
+        inputs = self.input_distribution
+        used = f"{np.count_nonzero(inputs > _UNUSED):,} of {counted(inputs.size, 'input')} used"
+        return short("Capacity", f"{self.bits:.6f} bits", f"gap {self.gap:.1e}", used)
+
+    @quietly
+    def _repr_html_(self) -> str:
+        """The numbers, and the distribution as bars, for notebooks."""
+        inputs = self.input_distribution
+        used = f"{np.count_nonzero(inputs > _UNUSED):,} of {inputs.size:,}"
+        rows = {"bits": f"{self.bits:.6f}", "gap": f"at most {self.gap:.1e}", "inputs used": used}
+        return table_html("Capacity", rows, bars_svg(inputs))
 
 
 def capacity(P: Any, tolerance: float = 1e-6) -> Capacity:

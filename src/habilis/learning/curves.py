@@ -8,6 +8,7 @@ import polars as pl
 from jaxtyping import Float, Int
 
 from habilis.learning.runs import Run
+from habilis.reprs import short
 from habilis.statistics import STATISTICS, bootstrap_interval
 
 SMOOTHING = 100  # episodes
@@ -46,6 +47,9 @@ class Curve:
     middle: Float[np.ndarray, "points"]
     low: Float[np.ndarray, "points"]
     high: Float[np.ndarray, "points"]
+
+    def __repr__(self) -> str:
+        return short("Curve", self.text())
 
     def as_dict(self) -> dict[str, Any]:
         """Runs, and the points as lists."""

@@ -12,6 +12,7 @@ from habilis.learning.config import Config
 from habilis.learning.convergence import MARGIN, Averages
 from habilis.learning.episodes import Ledger
 from habilis.learning.sources import Source, map_of
+from habilis.reprs import counted, number, quietly, short
 from habilis.worlds.world import World
 
 
@@ -38,6 +39,32 @@ class Run:
     episodes: pl.DataFrame
     converged_at: tuple[int | None, ...]
     parameters: Any
+
+    def __repr__(self) -> str:
+        return short("Run", *self._described())
+
+    @quietly
+    def _repr_svg_(self) -> str:
+        """The learning curve, for notebooks."""
+        from habilis.learning.curves import learning_curve
+        from habilis.learning.curves_picture import curves_figure
+        from habilis.worlds.pictures.figures import figure_svg
+
+        curves = {self.world.name: learning_curve(self)}
+        return figure_svg(curves_figure(curves, [self.best_return]))
+
+    def _described(self) -> list[str]:
+        config, ends = self.config, [at for at in self.converged_at if at is not None]
+        count, values = len(self.converged_at), config.as_dict()
+        bonus = f"{config.intrinsic}, weight {config.beta:g}" if config.beta else "no bonus"
+        after = f", after {np.mean(ends):,.0f} episodes on average" if ends else ""
+        return [
+            self.world.name,
+            f"{values['algorithm']}, {bonus}",
+            f"{counted(count, 'run')}, {counted(len(self.episodes), 'episode')}",
+            f"{len(ends)} of {count} converged{after}",
+            f"best return {number(self.best_return)}",
+        ]
 
     @property
     def map(self) -> World:

@@ -71,7 +71,13 @@ def table_of(
         mdp = replace(mdp, entry_reward=entry_reward)
     labels, shape, cells = _factors(model, found, count)
     return replace(
-        mdp, factors=labels, shape=shape, cells=cells, actions=actions, model_states=found
+        mdp,
+        factors=labels,
+        shape=shape,
+        cells=cells,
+        actions=actions,
+        model_states=found,
+        drawn=model if hasattr(model, "drawings") and hasattr(model, "at") else None,
     )
 
 

@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 from jaxtyping import Float
 
+from habilis.reprs import short
 from habilis.statistics import mann_whitney, van_elteren
 
 SIGNIFICANT = 0.05
@@ -41,6 +42,11 @@ class Comparison:
     p: float
     sooner_converged: int
     later_converged: int
+
+    def __repr__(self) -> str:
+        converged = f"{self.sooner_converged} and {self.later_converged} runs converged"
+        odds = f"superiority {self.superiority:.2f}, p = {self.p:.2g}"
+        return short("Comparison", self.outcome.value, odds, converged)
 
     @property
     def outcome(self) -> Outcome:

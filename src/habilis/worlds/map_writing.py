@@ -3,11 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from string import ascii_uppercase
+from typing import TYPE_CHECKING
 
+from habilis.reprs import counted
 from habilis.worlds.grid import Cell
 from habilis.worlds.map_text import AGENT, BINDS, DROP, FLOOR, GOAL, OBJECT, TOOL, WALL
 from habilis.worlds.things import CAN, OBJECTS, PlacedObject, PlacedTool
 from habilis.worlds.tools import TOOLS, UNBOUND
+
+if TYPE_CHECKING:
+    from habilis.worlds.world import World
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,18 @@ def header_of(marks: Sequence[Mark], drop: bool) -> list[str]:
         if mark.role == role and mark.binding
     ]
     return [*bound, *([f"{DROP}: true"] if drop else [])]
+
+
+def described(world: "World") -> list[str]:
+    """The map and its things in words, a part for each kind of thing."""
+    goals = [f"{thing.name}'s goal {thing.goal}" for thing in world.objects if thing.goal]
+    things = [f"{thing.name} {thing.cell}" for thing in (*world.tools, *world.objects)]
+    return [
+        f"{world.height} × {world.width} cells, {counted(len(world.walls), 'wall')}",
+        ", ".join([f"agent {world.agent}", *things]),
+        ", ".join(goals),
+        "tools can be dropped" if world.drop else "",
+    ]
 
 
 def binding(character: str, kind: str) -> str:

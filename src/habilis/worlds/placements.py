@@ -171,6 +171,7 @@ def describe(
         shape=(world.height, world.width),
         actions=actions_of(world),
         entry_reward=entry_reward,
+        drawn=world,
     )
 
 

@@ -1,6 +1,6 @@
 """Shortest plans: what the best an agent can do in a world is."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ from jaxtyping import Float, Float64, Int64
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore_to_end
 from habilis.models.limits import MAX_STATES
+from habilis.reprs import counted, number, quietly, repeated, short
 from habilis.transitions import Transitions
 from habilis.worlds.world import World
 
@@ -24,16 +25,47 @@ class Plan:
         states: the states passed through, from the first to the terminal one (one more): indices
             of a table, or a model's own.
         best_return: the sum of the rewards along it, undiscounted.
+        table: the table that it was found in.
+        table_states: the indices of `states` in it.
     """
 
     actions: tuple[int, ...]
     states: tuple[Any, ...]
     best_return: float
+    table: TabularMDP | None = field(default=None, repr=False, compare=False)
+    table_states: tuple[int, ...] = field(default=(), repr=False, compare=False)
 
     @property
     def steps(self) -> int:
         """How many actions it takes."""
         return len(self.actions)
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """The names of the actions; their indices where they have none."""
+        names = () if self.table is None else self.table.actions
+        return tuple(names[a] if a < len(names) else str(a) for a in self.actions)
+
+    def __repr__(self) -> str:
+        size = f"{counted(self.steps, 'step')}, return {number(self.best_return)}"
+        return short("Plan", size, repeated(self.action_names))
+
+    @quietly
+    def _repr_html_(self) -> str | None:
+        """Its states in pictures, each above the action taken there, for notebooks."""
+        from habilis.worlds.pictures.states import drawn_state
+        from habilis.worlds.pictures.svg import chosen_places, strip_html
+
+        states = {}
+        for place in chosen_places(len(self.table_states)):
+            state = (
+                None if self.table is None else drawn_state(self.table, self.table_states[place])
+            )
+            if state is None:
+                return None
+            states[place] = state
+        captions = (*self.action_names, f"return {number(self.best_return)}")
+        return strip_html(states, captions)
 
 
 def solve(
@@ -73,7 +105,7 @@ def solve(
         ...     def terminal(self, state):
         ...         return state == 3
         >>> solve(Line())
-        Plan(actions=(1, 1, 1), states=(0, 1, 2, 3), best_return=0.0)
+        <Plan: 3 steps, return 0; right ×3>
     """
     if not isinstance(model, TabularMDP):
         starts = None if start is None else [start]
@@ -215,5 +247,5 @@ def _trace(mdp: TabularMDP, came_from: np.ndarray, start: int, end: int) -> Plan
         actions.append(int(action))
     states.reverse()
     actions.reverse()
-    rewards = mdp.reward[states[:-1], actions]
-    return Plan(tuple(actions), tuple(states), float(rewards.sum()))
+    best_return = float(mdp.reward[states[:-1], actions].sum())
+    return Plan(tuple(actions), tuple(states), best_return, mdp, tuple(states))

@@ -176,6 +176,7 @@ def restarted(mdp: TabularMDP, world: World) -> TabularMDP:
         reward=entry_reward[mdp.next_state],
         entry_reward=entry_reward,
         start=mdp.find(**start_of(world)),
+        drawn=world,
     )
 
 

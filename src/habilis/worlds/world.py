@@ -6,10 +6,11 @@ from importlib.resources import files
 from pathlib import Path
 
 from habilis.files import shown
+from habilis.reprs import quietly, short
 from habilis.worlds.grid import Cell as Cell
 from habilis.worlds.grid import Grid
 from habilis.worlds.map_text import FLOOR, WALL
-from habilis.worlds.map_writing import Mark, binding, header_of, marks_of
+from habilis.worlds.map_writing import Mark, binding, described, header_of, marks_of
 from habilis.worlds.own_tools import as_tool, is_own, tool_named
 from habilis.worlds.parsing import parsed
 from habilis.worlds.things import PlacedObject, PlacedTool, Vacancy, Where, cells_of, moved, named
@@ -79,6 +80,19 @@ class World:
                 raise ValueError(
                     f"{self.name}: two of {', '.join(names)} have one name; give each its own"
                 )
+
+    def __repr__(self) -> str:
+        return short(f"World {self.name}", *described(self))
+
+    def __str__(self) -> str:
+        return "\n".join([*self.header, *self.rows])
+
+    @quietly
+    def _repr_svg_(self) -> str | None:
+        """The picture, for notebooks."""
+        from habilis.worlds.pictures.svg import world_svg
+
+        return world_svg(self)
 
     @classmethod
     def parse(cls, text: str, name: str = "map", folder: Path | None = None) -> "World":

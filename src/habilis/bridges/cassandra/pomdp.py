@@ -11,6 +11,8 @@ from habilis.bridges.cassandra.arrays import observation_probabilities, rewards,
 from habilis.bridges.cassandra.parsing import Names, parsed
 from habilis.files import shown
 from habilis.mdp import TabularMDP
+from habilis.mdp_description import contents, described
+from habilis.reprs import counted, listed, quietly, short, table_html
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +36,24 @@ class POMDP:
     belief: Float64[np.ndarray, "S"]
     discount: float
     observations: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        count = 0 if isinstance(self.sensor, str) else self.sensor.shape[-1]
+        return short(
+            "POMDP" if count else "MDP",
+            *described(self.mdp),
+            counted(count, "observation") if count else "",
+            f"discount {self.discount:g}",
+        )
+
+    @quietly
+    def _repr_html_(self) -> str:
+        """What there is of it, for notebooks."""
+        count = 0 if isinstance(self.sensor, str) else self.sensor.shape[-1]
+        names = f": {listed(self.observations)}" if self.observations else ""
+        more = {"observations": f"{count}{names}" if count else "the state"}
+        more["discount"] = f"{self.discount:g}"
+        return table_html("POMDP" if count else "MDP", contents(self.mdp) | more)
 
 
 @dataclass(frozen=True)

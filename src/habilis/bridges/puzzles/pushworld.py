@@ -13,6 +13,7 @@ from habilis.bridges.puzzles.bodies import ACTIONS, Body, Collisions
 from habilis.bridges.puzzles.pushworld_text import parsed
 from habilis.bridges.puzzles.states import as_cells, check_apart, check_on_map, check_rows, whole
 from habilis.files import shown, text_of
+from habilis.reprs import counted, quietly, short
 from habilis.worlds.grid import Cell
 
 if TYPE_CHECKING:
@@ -80,6 +81,19 @@ class PushWorld:
     most_pushed: int | None = None
 
     actions = ACTIONS
+
+    def __repr__(self) -> str:
+        size = f"{self.height} × {self.width} cells, {counted(len(self.walls), 'wall')}"
+        bodies = ", ".join(f"{body.name} {body.corner}" for body in self.bodies)
+        goals = (f"{' or '.join(goal.bodies)} to {goal.corner}" for goal in self.goals)
+        return short(f"PushWorld {self.name}", size, bodies, ", ".join(goals))
+
+    @quietly
+    def _repr_svg_(self) -> str | None:
+        """The picture, for notebooks."""
+        from habilis.worlds.pictures.svg import world_svg
+
+        return world_svg(self)
 
     @classmethod
     def parse(cls, text: str, name: str = "puzzle") -> "PushWorld":

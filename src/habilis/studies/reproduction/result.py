@@ -6,6 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from habilis.reprs import counted, short
 from habilis.studies.comparison import in_words, tally
 from habilis.studies.pace.data import MEASURES, Pace
 from habilis.studies.pace.slowness import WAYS, Association, association
@@ -41,6 +42,15 @@ class Reproduction:
     budget: dict[str, Any]
     quick: bool
     seconds: float
+
+    def __repr__(self) -> str:
+        return short(
+            "Reproduction",
+            str(self.folder),
+            f"{counted(len(self.numbers), 'number')} about worlds",
+            f"agents: {in_words(self.verdicts)}",
+            "quick" if self.quick else "",
+        )
 
     @property
     def verdicts(self) -> dict[str, int]:

@@ -8,6 +8,7 @@ In a plot the cell `(row, column)` covers x from `column` to `column + 1` and y 
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from io import StringIO
 from itertools import groupby
 from pathlib import Path
 from typing import Any, Protocol, cast, get_args, runtime_checkable
@@ -168,6 +169,14 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     how: Any = {"format": suffix[1:], "dpi": "figure", "metadata": PICTURES[suffix]}
     with rc_context({"svg.hashsalt": "habilis", "savefig.bbox": "standard"}):
         write_whole(path, lambda file: figure.savefig(file, **how))
+
+
+def figure_svg(figure: Figure) -> str:
+    """A figure as SVG text, the same figure always as the same."""
+    file = StringIO()
+    with rc_context({"svg.hashsalt": "habilis", "svg.fonttype": "none"}):
+        figure.savefig(file, format="svg", metadata=PICTURES[".svg"])
+    return file.getvalue()
 
 
 def frame(world: World | Drawn, cell: int = 32) -> UInt8[np.ndarray, "height width 3"]:
