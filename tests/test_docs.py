@@ -10,6 +10,8 @@ import blocks
 import environments
 import pytest
 import reference
+from playwright.sync_api import sync_playwright
+from studio_page import CHROMIUM, OPTIONS
 
 import habilis
 from habilis.worlds.placements import start_of
@@ -189,6 +191,39 @@ def test_scripts_of_the_theme_cannot_ask_other_hosts_either(site):
         assert f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">' in head, page
         # A policy holds for what comes after it: no script stands before.
         assert "<script" not in head.partition("Content-Security-Policy")[0], page
+
+
+def pictures(text):
+    """The alternative text of each picture, `None` where it has none."""
+    tags = re.findall(r"<img\b[^>]*>", text)
+    found = [re.search(r"""\balt=(?:"([^"]*)"|'([^']*)'|([^\s>]+))""", tag) for tag in tags]
+    return [one and (one[1] or one[2] or one[3] or "") for one in found]
+
+
+def test_every_picture_of_the_pages_has_an_alternative_text(site):
+    shown = {page: pictures(page.read_text("utf-8")) for page in site.rglob("*.html")}
+    assert sum(map(len, shown.values())) > 30
+    assert not [str(page) for page, texts in shown.items() if not all(texts)]
+
+
+def test_every_picture_of_the_readme_has_an_alternative_text():
+    readme = (ROOT / "README.md").read_text("utf-8")
+    texts = re.findall(r"!\[([^\]]*)\]\(", readme)
+    assert len(texts) == readme.count("![") > 2
+    assert all(len(text) > 20 for text in texts)
+
+
+@pytest.mark.skipif(not CHROMIUM.exists(), reason="no chromium")
+def test_search_works_on_pages_that_were_opened_from_a_disk(site):
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
+        page = browser.new_page()
+        page.goto((site / "index.html").as_uri())
+        page.locator("[data-md-component=search-query]").fill("persistence")
+        results = page.locator(".md-search-result__link")
+        results.first.wait_for()
+        assert any("pairs.html" in one.get_attribute("href") for one in results.all())
+        browser.close()
 
 
 def test_formulae_are_mathml_and_none_is_left_over(site):

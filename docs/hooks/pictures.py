@@ -24,6 +24,8 @@ def on_files(files: Files, config: MkDocsConfig, **_: Any) -> Files:
             continue
         if kept := [path for path in written if (Path(config.docs_dir) / folder / path).exists()]:
             raise PluginError(f"{page.src_uri}: {kept[0]} is kept, and made by the page too")
+        if twice := [path for path in written if files.get_file_from_path(str(folder / path))]:
+            raise PluginError(f"{page.src_uri}: {twice[0]} is made by another page too")
         assert page.abs_src_path is not None, "pages are files"
         with tempfile.TemporaryDirectory() as made:
             try:
