@@ -5,7 +5,7 @@ INSTALLED := .venv/installed
 APART := .venv-integration
 
 .PHONY: test test-slow test-long test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings tools survey \
-	bench bench-sb3 page studio-picture clean
+	bench bench-sb3 page protocol studio-picture clean
 
 # The whole product, on all processors, the tests of a file together: four minutes on two cores.
 test: $(INSTALLED)
@@ -101,6 +101,10 @@ survey: $(INSTALLED)
 # The studio's page, built into the package from studio/. Needs Node; using it does not.
 page: studio/node_modules
 	npm --prefix studio run build
+
+# The page's types of all messages, and their JSON Schema, from src/habilis/studio/protocol.
+protocol: $(INSTALLED)
+	PYTHONPATH=tests/support $(BIN)/python -m studio_protocol
 
 studio/node_modules: studio/package-lock.json
 	npm --prefix studio ci --silent

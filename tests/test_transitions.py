@@ -21,6 +21,7 @@ from habilis.learning.dynamics import make_dynamics
 from habilis.learning.episodes import Ledger
 from habilis.mdp import TabularMDP
 from habilis.studio import scene_steps
+from habilis.studio.protocol.scenes import Placement
 from habilis.studio.scenes import Scene
 from habilis.transitions import Transitions
 
@@ -205,9 +206,10 @@ def test_the_studio_earns_the_rewards_of_its_table(monkeypatch):
     scene = Scene(world, "object", cells, 0, 1, "all", 0.0)
     at = {"agent": (0, 1), "tool": (0, 2), "object": (0, 3)}
     mdp, (state,) = with_own_rewards(world, at, 1)
+    there = Placement(agent=at["agent"], tools=[at["tool"]], objects=[at["object"]])
     placements = []
     for _ in range(40):
-        answer = scene_steps.step(scene, at, EAST)
+        answer = scene_steps.step(scene, there, EAST)
         assert answer["reward"] == mdp.reward[state, EAST]
         placements.append(answer["placement"])
     assert len({str(placement) for placement in placements}) == 2

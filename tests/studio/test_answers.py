@@ -2,6 +2,7 @@
 
 import re
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -10,6 +11,7 @@ from habilis.analysis.averages import compare
 from habilis.analysis.futures import futures
 from habilis.analysis.usefulness import usefulness
 from habilis.studio.drawn_worlds import world_of
+from habilis.studio.protocol.scenes import Drawn
 from habilis.worlds.tools import TOOLS
 from studio import page, printing_rake, scene, studio
 
@@ -27,7 +29,7 @@ def test_a_page_gets_the_available_choices(there):
     assert there.hello["limits"]["side"] == [4, 30]
     assert len(there.hello["actions"]) == 9
     for name, drawn in there.hello["worlds"].items():
-        assert world_of(drawn, TOOLS, name) == hb.load_world(name)
+        assert world_of(msgspec.convert(drawn, Drawn), TOOLS, name) == hb.load_world(name)
     path, fill = there.hello["shapes"]["can"][0]
     assert path.startswith("M")
     assert fill.startswith("#")
@@ -48,7 +50,7 @@ def test_a_landscape_is_the_librarys(there, tool, sensor, horizon):
 def test_a_landscape_may_be_asked_for_alone_and_with_things_elsewhere(there, tool):
     world = WALLED.with_tool(tool)
     asked = scene(world, sensor="object", horizon=3)
-    at = {"agent": [3, 4], "tool": [3, 3] if tool != "none" else None, "object": [0, 2]}
+    at = {"agent": [3, 4], "tools": [[3, 3]] if tool != "none" else [], "objects": [[0, 2]]}
     alone = there.send("landscape", scene=asked)
     assert "landscape" in next(there.answers(alone))
     elsewhere = there.send("landscape", scene=asked, placement=at)
@@ -58,7 +60,7 @@ def test_a_landscape_may_be_asked_for_alone_and_with_things_elsewhere(there, too
     moved = world.with_cells(agent=(3, 4), object=(0, 2), tool=at_tool)
     wanted = hb.landscape(moved, 3, "object").values
     assert np.array_equal(values(answer), wanted, equal_nan=True)
-    at["object"] = [1, 1]
+    at["objects"] = [[1, 1]]
     refusal = there.ask("landscape", scene=asked, placement=at)["error"]
     assert "the can is at (1, 1); put it on a free cell" in refusal
 
@@ -207,7 +209,7 @@ def test_the_shortest_plan_is_the_librarys_and_stepping_through_it_ends_at_the_g
 
 
 def test_no_action_requests_the_bits_of_a_placement(there):
-    at = {"agent": [0, 0], "tool": [0, 1], "object": [1, 2]}
+    at = {"agent": [0, 0], "tools": [[0, 1]], "objects": [[1, 2]]}
     answer = there.ask("step", scene=scene(WALLED, sensor="object"), placement=at, action=None)
     assert answer["placement"] == at
     assert answer["reward"] is None
@@ -247,8 +249,8 @@ def test_a_newer_request_overtakes_an_older_one_of_its_kind_and_no_other(there):
         ({"tool": "os:path"}, "tool 'os:path' is unknown; use one of picker, broom, rake"),
         ({"horizon": 11}, "horizon is 11; give a whole number from 0 to 10"),
         ({"horizon": 2.5}, "horizon is 2.5; give a whole number"),
-        ({"slip": 0.6}, "slip is 0.6; give a number from 0 to 0.5"),
-        ({"sensor": "smell"}, "sensor 'smell' is unknown"),
+        ({"slip": 0.6}, "slip is 0.6; give a finite number from 0 to 0.5"),
+        ({"sensor": "smell"}, "sensor is 'smell'; give one of agent, cells, object, state, tool"),
         ({"tool": "none", "actions": "tool"}, "actions has 4; use indices from 0 to 3"),
         ({"colour": 1}, "scene has 'colour', which is unknown"),
     ],
@@ -260,7 +262,7 @@ def test_an_invalid_scene_gets_the_librarys_error(there, change, words):
 
 
 def test_a_step_from_where_nothing_can_be_is_refused(there):
-    at = {"agent": [1, 1], "tool": [0, 1], "object": [1, 2]}
+    at = {"agent": [1, 1], "tools": [[0, 1]], "objects": [[1, 2]]}
     answer = there.ask("step", scene=scene(WALLED), placement=at, action=0)
     assert answer["error"] == "the agent's cell (1, 1) is a wall; give a free one"
 

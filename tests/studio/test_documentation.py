@@ -2,23 +2,18 @@
 
 import re
 from pathlib import Path
+from typing import get_args
 
 import pytest
+from protocol import reference
+from studio_protocol import SCHEMA, TYPESCRIPT, schema, typescript
 
-from habilis.studio import limits, messages
-from habilis.studio.scene_requests import Pools
-from habilis.studio.scenes import _DEFAULTS, ACTIONS, SENSORS
-from habilis.studio.security import Access
-from habilis.studio.server import Studio
-from habilis.studio.training_jobs import Trainings
+from habilis.studio import limits
+from habilis.studio.protocol.answers import ANSWER_OF, Answer
+from habilis.studio.protocol.requests import AnyRequest
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "how-to" / "studio.md").read_text("utf-8")
-PROTOCOL = messages.__doc__ or ""
-
-
-def words(text: str) -> set[str]:
-    return set(re.findall(r"\w+", text))
 
 
 @pytest.mark.parametrize(
@@ -45,27 +40,26 @@ def test_the_limits_of_the_guide_are_the_studios(what, most):
     assert f"| {what} | {most} |" in GUIDE
 
 
-def test_the_least_side_is_the_guides_and_the_protocols():
-    least, most = limits.SIDES
-    assert f"(at least {least})" in GUIDE
-    assert f"text of {least} to {most} rows and columns" in PROTOCOL
-    assert f"to {limits.HORIZON} actions" in PROTOCOL
-    assert f"to {limits.SLIP:g}, the probability" in PROTOCOL
+def test_the_least_side_is_the_guides():
+    assert f"(at least {limits.SIDES[0]})" in GUIDE
 
 
-def test_the_protocol_lists_every_request_with_its_fields():
-    for name, (required, optional) in messages._FIELDS.items():
-        reported = re.search(rf"(?m)^{name} .*(\n {{9}}.*)*", PROTOCOL)
-        assert reported is not None, name
-        assert {*required, *optional} <= words(reported[0]), name
+def test_the_types_and_the_schema_of_the_page_are_those_of_the_messages():
+    fix = "call make protocol, and commit what it writes"
+    assert TYPESCRIPT.read_text("utf-8") == typescript(), fix
+    assert SCHEMA.read_text("utf-8") == schema(), fix
 
 
-def test_the_protocol_lists_the_fields_of_a_scene():
-    scene = PROTOCOL.partition("A scene is an object:")[2]
-    assert set(_DEFAULTS) == set(re.findall(r"(?m)^(\w+)  ", scene))
-    assert {*SENSORS, *ACTIONS} <= words(scene)
+def test_the_reference_has_every_message_with_its_fields():
+    text = reference()
+    for request, answer in ANSWER_OF.items():
+        part = re.split(r"\n##+ ", text.partition(f"### {request.__struct_config__.tag}\n")[2])[0]
+        fields = {*request.__struct_encode_fields__, *answer.__struct_encode_fields__}
+        assert fields - set(Answer.__struct_fields__) == set(re.findall(r"(?m)^\| `(\w+)` ", part))
+    assert set(re.findall(r"\(#(\w+)\)", text)) <= {
+        name.lower() for name in re.findall(r"(?m)^#+ (\w+)$", text)
+    }
 
 
-def test_the_protocol_lists_the_fields_of_the_greeting(tmp_path):
-    studio = Studio(Access.of("127.0.0.1", 1), Pools.made(), Trainings(tmp_path))
-    assert studio.hello().keys() <= words(PROTOCOL.partition("`hello` has ")[2])
+def test_every_request_has_an_answer():
+    assert set(ANSWER_OF) == set(get_args(AnyRequest))

@@ -9,6 +9,7 @@ from habilis.analysis.averages import compare, compared_states
 from habilis.studio import scene_steps
 from habilis.studio.estimates import Estimate, verdicts
 from habilis.studio.limits import DRAWN
+from habilis.studio.protocol.answers import Verdict
 from habilis.studio.random_placements import random_placements
 from habilis.studio.scenes import Scene
 
@@ -57,10 +58,10 @@ def test_a_verdict_is_left_open_where_estimates_overlap():
     bare = Estimate(1.0, 0.1, True)
     for bits, within, better in ((1.05, 0.1, None), (1.3, 0.1, True), (0.7, 0.1, False)):
         known = {"none": bare, "broom": Estimate(bits, within, True)}
-        said = {"useful": True, "better_than_none": better, "equal": False}
+        said = Verdict(useful=True, better_than_none=better, equal=False)
         assert verdicts(known) == {"broom": said}
     exact = {"none": Estimate(1.0, 0.0, True), "broom": Estimate(1.0, 0.0, True)}
-    assert verdicts(exact)["broom"]["better_than_none"] is False
+    assert verdicts(exact)["broom"].better_than_none is False
     assert verdicts({"broom": bare}) == {}
 
 
@@ -82,7 +83,7 @@ def test_a_tie_is_called_a_tie():
         "open": Estimate(0.5, 0.1, True),
     }
     said = verdicts({"none": bare} | of)
-    assert [said[tool]["equal"] for tool in of] == [True, False, False, False]
-    assert [said[tool]["better_than_none"] for tool in of] == [False, True, False, None]
+    assert [said[tool].equal for tool in of] == [True, False, False, False]
+    assert [said[tool].better_than_none for tool in of] == [False, True, False, None]
     nothing = verdicts({"none": Estimate(0.0, 0.0, False), "rake": Estimate(0.0, 0.0, False)})
-    assert nothing["rake"] == {"useful": False, "better_than_none": False, "equal": True}
+    assert nothing["rake"] == Verdict(useful=False, better_than_none=False, equal=True)

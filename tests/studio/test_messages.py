@@ -12,9 +12,9 @@ from websockets.exceptions import ConnectionClosed
 
 import habilis as hb
 from habilis.studio.limits import CLIENTS, MESSAGE
-from habilis.studio.messages import MessageError, Request, read
+from habilis.studio.messages import MessageError, kind_of, read
+from habilis.studio.protocol.requests import Request, Settings, Train
 from habilis.studio.training_jobs import Trainings
-from habilis.studio.training_settings import SETTINGS
 from studio import page, scene, studio
 
 TOOLS = ("picker", "broom")
@@ -34,22 +34,23 @@ DRAWN = {key: part for key, part in SCENE.items() if key not in ("map", "tool")}
         "drop": True,
     }
 }
+AT = {"agent": [2, 0], "tools": [[3, 0]], "objects": [[8, 3]]}
 WHOLE = {
     "read": {"scene": DRAWN},
     "measure": {"scene": SCENE},
-    "landscape": {"scene": SCENE, "placement": {"agent": [2, 0], "object": [8, 3]}},
+    "landscape": {"scene": SCENE, "placement": AT},
     "futures": {"scene": DRAWN, "agent": [0, 0]},
     "solve": {"scene": SCENE},
     "step": {
         "scene": SCENE,
-        "placement": {"agent": [2, 0], "tool": [3, 0], "object": [8, 3]},
+        "placement": AT,
         "action": 3,
     },
     "train": {"scene": SCENE, "settings": {"runs": 1}},
     "stop": {},
     "trainings": {},
     "curve": {"name": "x"},
-    "run": {"index": 0, "name": "x", "placement": {"agent": [2, 0], "object": [8, 3]}},
+    "run": {"index": 0, "name": "x", "placement": AT},
 }
 
 EXTREMES = (
@@ -118,15 +119,15 @@ NASTY = (
 
 @pytest.mark.parametrize("do", sorted(WHOLE))
 def test_a_whole_message_is_a_request(do):
-    request = read(json.dumps({"id": 7, "do": do, **WHOLE[do]}), TOOLS)
-    assert (request.id, request.do) == (7, do)
+    request, _ = read(json.dumps({"id": 7, "do": do, **WHOLE[do]}), TOOLS)
+    assert (request.id, kind_of(request)) == (7, do)
 
 
 @settings(max_examples=1_000, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(TEXTS)
 def test_whatever_comes_is_a_request_or_one_line_of_error(text):
     try:
-        request = read(text, TOOLS)
+        request, _ = read(text, TOOLS)
     except MessageError as error:
         said = str(error)
     else:
@@ -143,8 +144,8 @@ def test_what_is_meant_badly_is_an_error(text):
 
 
 def raise_if_no_request(text):
-    request = read(text, TOOLS)
-    if request.do in ("run", "curve"):  # its name is looked at where trainings are kept
+    request, _ = read(text, TOOLS)
+    if kind_of(request) in ("run", "curve"):  # its name is looked at where trainings are kept
         raise MessageError("no request of ours", request.id)
 
 
@@ -158,15 +159,16 @@ def test_a_message_that_is_too_long_is_answered_to_its_sender(address):
 
 @pytest.mark.ill_typed
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(st.dictionaries(st.sampled_from(SETTINGS), VALUES, max_size=3))
+@given(st.dictionaries(st.sampled_from(Settings.__struct_fields__), VALUES, max_size=3))
 def test_whatever_the_settings_of_a_training_are_they_are_taken_or_one_line_of_error(given):
     message = {"id": 1, "do": "train", "scene": SCENE, "settings": given}
     with tempfile.TemporaryDirectory() as folder:
         said = "taken"
         try:
-            request = read(json.dumps(message), TOOLS)
-            assert request.scene is not None
-            with Trainings(Path(folder)).one(request.scene, dict(request.values["settings"])):
+            request, asked = read(json.dumps(message), TOOLS)
+            assert isinstance(request, Train)
+            assert asked is not None
+            with Trainings(Path(folder)).one(asked, request.settings):
                 pass
         except ValueError as error:
             said = str(error)
@@ -199,10 +201,10 @@ def test_after_a_thousand_malformed_messages_the_server_answers_as_before(tmp_pa
             there.socket.send(text)
             last = there.send("stop")
             while not (answers and answers[-1]["id"] == last):  # who never reads is not read either
-                answers.append(there.receive())
+                answers.append(json.loads(there.socket.recv()))
         number = there.send("measure", scene=SCENE)
         while not (answers and answers[-1]["id"] == number and "landscape" in answers[-1]):
-            answers.append(there.receive())
+            answers.append(json.loads(there.socket.recv()))
         assert answers[-1]["landscape"] == before
         errors = [a["error"] for a in answers if "error" in a and "no training" not in a["error"]]
         assert len(errors) > 500

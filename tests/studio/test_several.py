@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 
 import habilis as hb
 from habilis.analysis.averages import compare
 from habilis.studio.drawn_worlds import drawn_of, world_of
+from habilis.studio.protocol.scenes import Drawn, Placement
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import reachable
 from habilis.worlds.tools import TOOLS
@@ -17,11 +19,18 @@ WORLD = hb.World.parse(
     "R = rake\nD = ball\nH = goal of D\nG = goal of C\ndrop: true\nAP...\n.#C..\n.D..R\n.H..G",
     "map",
 )
+START = Placement(
+    agent=WORLD.agent,
+    tools=[tool.cell for tool in WORLD.tools],
+    objects=[thing.cell for thing in WORLD.objects],
+    held=0,
+    laid=-1,
+)
 
 
 def drawn(world: hb.World, **measured):
     """As the page says it."""
-    return {"drawn": drawn_of(world), "horizon": 2} | measured
+    return {"drawn": msgspec.to_builtins(drawn_of(world)), "horizon": 2} | measured
 
 
 def landscape(there, asked):
@@ -38,14 +47,32 @@ def test_what_is_drawn_is_the_world():
 
 def test_things_in_whatever_order_are_the_same_world():
     said = drawn_of(WORLD)
+    turned = msgspec.structs.replace(said, tools=said.tools[::-1], objects=said.objects[::-1])
+    assert world_of(turned, TOOLS, "map") == WORLD
+
+
+def test_things_travel_by_their_index_in_the_drawing_whatever_its_order(there):
+    asked, at = drawn(WORLD, sensor="object", thing=1), msgspec.to_builtins(START)
+    turned = drawn(WORLD, sensor="object", thing=0)
     for name in ("tools", "objects"):
-        said[name] = said[name][::-1]
-    assert world_of(said, TOOLS, "map") == WORLD
+        turned["drawn"][name] = turned["drawn"][name][::-1]
+    assert landscape(there, turned) == pytest.approx(landscape(there, asked), nan_ok=True)
+    now, then = dict(at), at | {name: at[name][::-1] for name in ("tools", "objects")} | {"held": 1}
+    for action in (5, 8, 1, 2, 2):
+        now = there.ask("step", scene=asked, placement=now, action=action)["placement"]
+        then = there.ask("step", scene=turned, placement=then, action=action)["placement"]
+        assert then["agent"] == now["agent"]
+        assert then["tools"] == now["tools"][::-1]
+        assert then["objects"] == now["objects"][::-1]
+        for hand in ("held", "laid"):
+            assert then[hand] == (1 - now[hand] if now[hand] >= 0 else -1)
+    plan = there.ask("solve", scene=turned)
+    assert plan["placements"][-1]["objects"] == [[3, 1], [3, 4]]
 
 
 def test_map_text_is_read_and_written_by_the_library(there):
     read = there.ask("read", scene={"map": WORLD.text()})
-    assert read["drawn"] == drawn_of(WORLD)
+    assert msgspec.convert(read["drawn"], Drawn) == drawn_of(WORLD)
     assert hb.World.parse(read["text"], "map") == WORLD
     assert there.ask("read", scene={"drawn": read["drawn"]})["text"] == read["text"]
 
@@ -81,21 +108,40 @@ def test_averages_are_of_each_tool_alone_over_the_object_that_is_picked(there):
 def test_play_keeps_what_is_in_hand(there):
     mdp, states = reachable(WORLD, start_of(WORLD), None)
     state = int(states[0])
-    now = there.ask("step", scene=drawn(WORLD), placement=words(WORLD, mdp, state), action=None)
+    now = there.ask("step", scene=drawn(WORLD), placement=at(mdp, state), action=None)
     assert now["equipped"]
     random = np.random.default_rng(0)
     for action in random.integers(9, size=60):
         now = there.ask("step", scene=drawn(WORLD), placement=now["placement"], action=int(action))
         state = int(mdp.next_state[state, action])
-        assert now["placement"] == words(WORLD, mdp, state)
+        assert now["placement"] == at(mdp, state)
         assert now["ended"] == mdp.terminal[state]
 
 
-def words(world: hb.World, mdp: hb.TabularMDP, state: int):
-    cells = {
-        name: list(divmod(int(mdp.factor(name)[state]), world.width)) for name in start_of(world)
-    }
-    return cells | {name: int(mdp.factor(name)[state]) for name in ("held", "laid")}
+def at(mdp: hb.TabularMDP, state: int) -> dict:
+    """As a message has it, in the map's order."""
+    agent, can, ball, picker, rake = (
+        list(divmod(int(mdp.factor(name)[state]), WORLD.width))
+        for name in ("agent", "object:can", "object:ball", "tool:picker", "tool:rake")
+    )
+    hands = {name: int(mdp.factor(name)[state]) for name in ("held", "laid")}
+    return {"agent": agent, "tools": [picker, rake], "objects": [can, ball]} | hands
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"tools": []}, "placement has 0 tools and 2 objects; the scene has 2 and 2: give a cell"),
+        ({"held": 2}, "held is 2; give the index of a tool, or -1 for none"),
+        ({"held": 4}, "placement.held is 4; give a whole number from -1 to 3"),
+        ({"tool:rake": [0, 0]}, "placement has 'tool:rake', which is unknown; it may have agent"),
+        ({"objects": [[1, 2], 3]}, "placement.objects[1] has 3; give a cell as [row, column]"),
+    ],
+)
+def test_a_placement_of_other_things_is_refused(there, change, words):
+    placement = msgspec.to_builtins(START) | change
+    answer = there.ask("step", scene=drawn(WORLD), placement=placement, action=0)
+    assert words in answer["error"]
 
 
 def test_a_plan_brings_every_object_to_its_goal(there):
@@ -104,9 +150,7 @@ def test_a_plan_brings_every_object_to_its_goal(there):
     assert plan is not None
     assert answer["actions"] == list(plan.actions)
     end = answer["placements"][-1]
-    assert [end["object:can"], end["object:ball"]] == [
-        list(thing.goal) for thing in WORLD.objects if thing.goal
-    ]
+    assert end["objects"] == [list(thing.goal) for thing in WORLD.objects if thing.goal]
 
 
 def test_a_tool_that_fails_now_and_then_fails_in_play_and_in_the_landscape(there):
@@ -115,7 +159,7 @@ def test_a_tool_that_fails_now_and_then_fails_in_play_and_in_the_landscape(there
     assert landscape(there, asked) == pytest.approx(
         hb.landscape(world, 2, "object").values, abs=1e-5, nan_ok=True
     )
-    at = {"agent": [1, 1], "tool": [1, 2], "object": [1, 3]}
+    at = {"agent": [1, 1], "tools": [[1, 2]], "objects": [[1, 3]]}
     ends = [there.ask("step", scene=asked, placement=at, action=1)["ended"] for _ in range(40)]
     assert 5 < sum(ends) < 35  # fails once in a hundred million runs
 
@@ -125,7 +169,7 @@ def test_a_tool_that_fails_now_and_then_fails_in_play_and_in_the_landscape(there
     [
         ({"tools": [{"kind": "os:path", "cell": [0, 1]}]}, "tool 'os:path' is unknown"),
         ({"tools": [{"kind": "rake", "cell": [1, 1]}]}, "the rake is at (1, 1); put it on a free"),
-        ({"objects": []}, "objects is not a list of 1 to 4 things"),
+        ({"objects": []}, "scene.drawn.objects is []; give a list of 1 to 4"),
         ({"objects": [{"kind": "can", "cell": [1, 2]}]}, "the first object, the can, has no goal"),
         ({"agent": [0, 1]}, "share a cell; give each its own"),
         ({"ground": "..\n..."}, "ground is not a map"),

@@ -6,6 +6,7 @@ import signal
 import time
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -17,6 +18,7 @@ from habilis.learning.runner import train
 from habilis.studio import run_steps
 from habilis.studio.drawn_worlds import world_of
 from habilis.studio.limits import TRAINING
+from habilis.studio.protocol.scenes import Drawn
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement
 from habilis.worlds.tools import TOOLS
@@ -78,7 +80,10 @@ def check_view(there, run, **which):
 def test_a_trained_run_is_shown_as_the_library_has_it(there, run):
     assert there.hello["run"]["name"] == "toe"
     assert there.hello["run"]["config"]["beta"] == 0.1
-    assert world_of(there.hello["run"]["drawn"], TOOLS, "toe").object == SMALL.object
+    assert (
+        world_of(msgspec.convert(there.hello["run"]["drawn"], Drawn), TOOLS, "toe").object
+        == SMALL.object
+    )
     check_view(there, run)
 
 
@@ -96,7 +101,7 @@ def test_a_view_has_in_hand_what_can_be_put_down(tmp_path):
 
 def test_a_view_is_of_any_place_of_the_things(there, run):
     mdp = hb.tabulate(run.map)
-    at = {"agent": [0, 0], "tool": [0, 1], "object": [2, 2]}
+    at = {"agent": [0, 0], "tools": [[0, 1]], "objects": [[2, 2]]}
     view = there.ask("run", index=0, placement=at)
     values = learned(run, mdp, 0)[1]
     state = mdp.find(agent=(0, 0), tool=(0, 1), object=(2, 2))
@@ -108,7 +113,7 @@ def test_a_view_is_of_any_place_of_the_things(there, run):
     best = solve(mdp, state)
     assert best is not None
     assert view["episode"]["best_return"] == best.best_return
-    at["object"] = [0, 1]
+    at["objects"] = [[0, 1]]
     refusal = there.ask("run", index=0, placement=at)["error"]
     assert refusal.startswith("a placement has two things in one cell")
 

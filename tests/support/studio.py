@@ -8,10 +8,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import msgspec
 from websockets.sync.client import ClientConnection, connect
 
 import habilis as hb
+from habilis.studio.protocol.answers import ANSWER_OF, Answer
+from habilis.studio.protocol.hello import Greeting
 
+ANSWERS = {kind.__struct_config__.tag: answer for kind, answer in ANSWER_OF.items()}
 HABILIS = (sys.executable, "-m", "habilis")
 
 
@@ -40,14 +44,23 @@ def page(address: str, **options: Any) -> Iterator["Page"]:
 class Page:
     def __init__(self, socket: ClientConnection):
         self.socket = socket
-        self.hello = self.receive()["hello"]
+        self.asked: dict[int, type[Answer]] = {}
+        greeting = self.socket.recv()
+        msgspec.json.decode(greeting, type=Greeting)
+        self.hello = json.loads(greeting)["hello"]
         self.number = 0
 
     def receive(self) -> dict[str, Any]:
-        return json.loads(self.socket.recv())
+        """The next answer, which has no field that the protocol does not have."""
+        answer = json.loads(self.socket.recv())
+        kind = self.asked.get(answer["id"], Answer)
+        typed = msgspec.convert(answer, kind)
+        assert json.loads(msgspec.json.encode(typed)) == answer
+        return answer
 
     def send(self, do: str, **fields: Any) -> int:
         self.number += 1
+        self.asked[self.number] = ANSWERS.get(do, Answer)
         self.socket.send(json.dumps({"id": self.number, "do": do} | fields))
         return self.number
 

@@ -1,17 +1,20 @@
 """A client: one step per pool at a time, and only the newest request of each kind."""
 
 import asyncio
-import json
 import traceback
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any
 
+import msgspec
+
 from habilis.extras import MissingExtraError
 from habilis.studio.messages import one_line
 from habilis.studio.pool import Pool
+from habilis.studio.protocol.answers import Answer
 from habilis.studio.training_jobs import Training
 
 Send = Callable[[str], Awaitable[None]]
+_ENCODER = msgspec.json.Encoder()
 
 
 class Client:
@@ -28,9 +31,13 @@ class Client:
         self.trainings: dict[int, Training] = {}
         self._working: dict[str, tuple[int, asyncio.Task[None]]] = {}
 
-    async def answer(self, number: int | None, **fields: Any) -> None:
-        """Sends an answer to a request."""
-        await self._send(json.dumps({"id": number} | fields, allow_nan=False))
+    async def answer(self, answer: Answer) -> None:
+        """Sends a part of an answer."""
+        await self._send(_ENCODER.encode(answer).decode())
+
+    async def pass_on(self, kind: type[Answer], number: int, found: dict[str, Any]) -> None:
+        """Sends what a step found as an answer, or a part of one."""
+        await self.answer(msgspec.convert({"id": number, **found}, kind))
 
     async def step(self, pool: Pool, name: str, **arguments: Any) -> Any:
         """Runs a step when it is this client's turn."""
@@ -41,7 +48,7 @@ class Client:
         earlier = self.working(kind)
         if earlier is not None:
             self._working[kind][1].cancel()
-            await self.answer(earlier, overtaken=True)
+            await self.answer(Answer(id=earlier, overtaken=True))
         self._working[kind] = number, asyncio.create_task(self._answered(number, work))
 
     def working(self, kind: str) -> int | None:
@@ -52,7 +59,8 @@ class Client:
     async def stop(self, number: int) -> None:
         """Stops a training, and keeps its progress."""
         if number not in self.trainings:
-            await self.answer(number, error=f"no training has the id {number}; it may have ended")
+            words = f"no training has the id {number}; it may have ended"
+            await self.answer(Answer(id=number, error=words))
         else:
             self.trainings[number].stop()
 
@@ -67,9 +75,8 @@ class Client:
         try:
             await work
         except (ValueError, MissingExtraError) as error:
-            await self.answer(number, error=one_line(error))
+            await self.answer(Answer(id=number, error=one_line(error)))
         except Exception as error:
             traceback.print_exc()
-            await self.answer(
-                number, error=one_line(f"internal error: {error!r}; please report it")
-            )
+            words = one_line(f"internal error: {error!r}; please report it")
+            await self.answer(Answer(id=number, error=words))

@@ -1,10 +1,11 @@
 """Worlds in the page's format: walls as text, and a list of things."""
 
 from collections.abc import Collection
-from typing import Any
 
-from habilis.studio.fields import cell, checked, number, one_of, shown
-from habilis.studio.limits import THINGS, TOOL_SLIP
+from habilis.studio.placements import Order
+from habilis.studio.protocol.scenes import Drawn
+from habilis.studio.protocol.scenes import PlacedObject as DrawnObject
+from habilis.studio.protocol.scenes import PlacedTool as DrawnTool
 from habilis.worlds.map_text import FLOOR, WALL
 from habilis.worlds.things import OBJECTS, PlacedObject, PlacedTool
 from habilis.worlds.world import World
@@ -12,7 +13,7 @@ from habilis.worlds.world import World
 _GROUND = f"; {FLOOR} floor and {WALL} walls"
 
 
-def drawn_of(world: World) -> dict[str, Any]:
+def drawn_of(world: World) -> Drawn:
     """A world in the page's format.
 
     Raises:
@@ -28,45 +29,34 @@ def drawn_of(world: World) -> dict[str, Any]:
         "".join(WALL if (row, column) in world.walls else FLOOR for column in range(world.width))
         for row in range(world.height)
     ]
-    return {
-        "ground": "\n".join(rows),
-        "agent": list(world.agent),
-        "tools": [
-            {"kind": tool.kind, "cell": list(tool.cell), "slip": tool.slip} for tool in world.tools
-        ],
-        "objects": [
-            {
-                "kind": thing.kind,
-                "cell": list(thing.cell),
-                "goal": None if thing.goal is None else list(thing.goal),
-            }
-            for thing in world.objects
-        ],
-        "drop": world.drop,
-    }
+    return Drawn(
+        ground="\n".join(rows),
+        agent=world.agent,
+        tools=[DrawnTool(tool.kind, tool.cell, tool.slip) for tool in world.tools],
+        objects=[DrawnObject(thing.kind, thing.cell, thing.goal) for thing in world.objects],
+        drop=world.drop,
+    )
 
 
-def world_of(value: Any, kinds: Collection[str], name: str) -> World:
+def world_of(drawn: Drawn, kinds: Collection[str], name: str) -> World:
     """A world from the page's format, equal to the one from its map's text.
 
     Args:
-        value: as returned by `drawn_of`.
+        drawn: as returned by `drawn_of`, with things in any order.
         kinds: the known tools.
         name: the world's name in errors.
 
     Raises:
-        ValueError: the value is not a valid world; the message says why.
+        ValueError: the drawing is not a valid world; the message says why.
     """
-    given = checked("drawn", value, ("ground", "agent", "tools", "objects", "drop"))
-    rows = given["ground"].split("\n") if isinstance(given["ground"], str) else []
+    rows = drawn.ground.split("\n")
     if len({len(row) for row in rows}) != 1 or set("".join(rows)) - {FLOOR, WALL}:
         raise ValueError(f"ground is not a map; give rows of equal length{_GROUND}")
-    if not isinstance(given["drop"], bool):
-        raise ValueError(f"drop is {shown(given['drop'])}; give true or false")
-    tools = [_tool(one, kinds) for one in _few("tools", given["tools"], 0)]
-    objects = [_object(one) for one in _few("objects", given["objects"], 1)]
-    tools.sort(key=lambda tool: tool["cell"])  # as a map is read
-    objects.sort(key=lambda thing: (thing["goal"] is None, thing["cell"]))
+    for tool in drawn.tools:
+        check_known("tool", tool.kind, kinds)
+    for thing in drawn.objects:
+        check_known("object", thing.kind, OBJECTS)
+    tools, objects = _as_read(drawn)
     return World(
         name=name,
         height=len(rows),
@@ -77,33 +67,43 @@ def world_of(value: Any, kinds: Collection[str], name: str) -> World:
             for column, mark in enumerate(line)
             if mark == WALL
         ),
-        agent=cell("agent", given["agent"]),
-        objects=tuple(PlacedObject(**thing) for thing in objects),
-        tools=tuple(PlacedTool(**tool) for tool in tools),
-        drop=given["drop"] and bool(tools),
+        agent=drawn.agent,
+        objects=tuple(
+            PlacedObject(thing.kind, thing.cell, thing.goal)
+            for thing in (drawn.objects[k] for k in objects)
+        ),
+        tools=tuple(
+            PlacedTool(kind=tool.kind, cell=tool.cell, slip=tool.slip)
+            for tool in (drawn.tools[k] for k in tools)
+        ),
+        drop=drawn.drop and bool(tools),
     )
 
 
-def _few(name: str, value: Any, least: int) -> list[Any]:
-    if not isinstance(value, list) or not least <= len(value) <= THINGS:
-        raise ValueError(f"{name} is not a list of {least} to {THINGS} things; give one")
-    return value
+def order_of(drawn: Drawn) -> Order:
+    """The order in which a drawing lists the things of its world."""
+    tools, objects = _as_read(drawn)
+    return Order(
+        tuple(tools.index(k) for k in range(len(tools))),
+        tuple(objects.index(k) for k in range(len(objects))),
+    )
 
 
-def _tool(value: Any, kinds: Collection[str]) -> dict[str, Any]:
-    given = checked("a tool", value, ("kind", "cell"), ("slip",))
-    return {
-        "kind": one_of("tool", given["kind"], list(kinds)),
-        "cell": cell("a tool", given["cell"]),
-        "slip": float(number("a tool's slip", given.get("slip", 0.0), 0, TOOL_SLIP)),
-    }
+def _as_read(drawn: Drawn) -> tuple[list[int], list[int]]:
+    """The indices of tools and objects in the order of the world: as a map is read, goals first."""
+    tools = sorted(range(len(drawn.tools)), key=lambda k: drawn.tools[k].cell)
+    objects = sorted(
+        range(len(drawn.objects)),
+        key=lambda k: (drawn.objects[k].goal is None, drawn.objects[k].cell),
+    )
+    return tools, objects
 
 
-def _object(value: Any) -> dict[str, Any]:
-    given = checked("an object", value, ("kind", "cell"), ("goal",))
-    goal = given.get("goal")
-    return {
-        "kind": one_of("object", given["kind"], list(OBJECTS)),
-        "cell": cell("an object", given["cell"]),
-        "goal": None if goal is None else cell("a goal", goal),
-    }
+def check_known(what: str, name: str, known: Collection[str]) -> None:
+    """Refuses a name that is not one of those known.
+
+    Raises:
+        ValueError: naming them.
+    """
+    if name not in known:
+        raise ValueError(f"{what} {name!r:.60} is unknown; use one of {', '.join(known)}")

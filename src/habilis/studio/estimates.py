@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from habilis.studio.protocol.answers import Verdict
 from habilis.worlds.world import NO_TOOL
 
 _CHUNK = 0.1  # seconds per step of a longer computation
 _INTERVAL = 1.96  # half width of a 95 % interval, in standard errors
 _NOTHING = 1e-6  # bits: the tolerance to which each is computed
-
-Verdict = dict[str, bool | None]
 
 
 async def in_stretches(
@@ -60,8 +59,7 @@ def verdicts(known: Mapping[str, Estimate]) -> dict[str, Verdict]:
     """Whether tools are useful, and better than none or equal to it.
 
     Returns:
-        By tool: `useful`, `better_than_none` (`None` if the estimates leave it open) and `equal`,
-        if the two averages agree within their tolerance.
+        By tool; two averages are equal if they agree within their tolerance.
     """
     bare = known.get(NO_TOOL)
     if bare is None:
@@ -73,8 +71,8 @@ def _verdict(tool: Estimate, bare: Estimate) -> Verdict:
     apart = tool.bits - bare.bits
     doubt = float(np.hypot(tool.within, bare.within))
     open_ = doubt > 0 and abs(apart) <= doubt
-    return {
-        "useful": tool.some,
-        "better_than_none": None if open_ else apart > _NOTHING,
-        "equal": not open_ and abs(apart) <= _NOTHING,
-    }
+    return Verdict(
+        useful=tool.some,
+        better_than_none=None if open_ else bool(apart > _NOTHING),
+        equal=not open_ and abs(apart) <= _NOTHING,
+    )

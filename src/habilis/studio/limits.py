@@ -1,7 +1,5 @@
 """Limits of the studio, which has to respond quickly. The page has them from the greeting only."""
 
-from typing import Any
-
 SIDES = (4, 30)
 """The smallest and largest number of rows, and of columns, of a map."""
 THINGS = 4
@@ -31,16 +29,3 @@ TRAINING = {
 """Of a training; `at_once` may train in parallel while `waiting` more are queued."""
 LISTED = 200
 """Kept trainings that a page lists, newest first."""
-
-
-def greeting() -> dict[str, Any]:
-    """The limits that a page has to know, as in the server's greeting."""
-    return {
-        "side": list(SIDES),
-        "things": THINGS,
-        "horizon": HORIZON,
-        "slip": SLIP,
-        "tool_slip": TOOL_SLIP,
-        "message": MESSAGE,
-        "training": TRAINING,
-    }

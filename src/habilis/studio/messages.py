@@ -1,132 +1,30 @@
-"""The protocol: the messages between page and server, and the validation of requests.
-
-Messages are JSON texts over one WebSocket, at the path /ws. The server greets
-with `{"hello": ...}`; then a page sends requests, `{"id": number, "do": name, ...}`,
-and every answer has the request's id. An answer has the fields listed below, in
-one or more parts, or is one of
-
-    {"id", "error": one line}    the error, in the library's words
-    {"id", "progress": 0 to 1}   the progress of a long computation
-    {"id", "overtaken": true}    a newer request of its kind has replaced it
-
-measure  scene
-         landscape (rows of bits, null where the agent cannot be), least, most,
-         seconds; then, tool by tool, averages {tool: bits or null}, within
-         {tool: half the width of its 95 % interval, 0 if it is exact} and
-         verdicts {tool: {useful, better_than_none (null if undecided), equal (the
-         same as none)}}, and `why` if an average is null
-landscape  scene, optional placement of the things, by default the map's
-         landscape, least, most, seconds, as above
-futures  scene, agent [row, column]
-         bits, gap, things [[row, column, probability]] of the observed thing
-         (through the sensor "state": of the can), elsewhere (the probability
-         of other cells), count of observations
-solve    scene, optional placement to start from
-         steps, return, actions, placements; or nulls if the goal is
-         unreachable
-step     scene, placement, action (an index; null stays, for the bits only)
-         placement, bits, equipped, attached, reward, ended
-train    scene, settings (some of `habilis.learning.config.Config`)
-         name; then repeatedly share, steps_per_second, curve, episodes, steps,
-         converged_at, best_return; finally the same with done {name, runs,
-         converged_at, best_return}
-read     scene (only its map)
-         drawn, and text: the map as text
-stop     (the id is the training's) no answer of its own: the training ends, and
-         its progress is kept
-trainings  no fields: lists the server's folders with a training
-         names, newest first, and left_out, the number of older ones; then,
-         one by one, kept {name, under_way, runs, config, drawn, ended, converged_at
-         or null, best_return or null}, with error if there is nothing to watch,
-         and with only name, under_way and error if its folder is damaged
-curve    name (of a training)
-         curve, episodes, steps, converged_at, best_return, as in train
-run      index, optional name (of a training) and placement in which the episode
-         begins
-         drawn, policy {episode, cells}, values, episode {placements, actions, values,
-         return, finished, best_return or null}, and the fields of curve
-
-A scene is an object:
-
-map      text of 4 to 30 rows and columns, optionally below lines that bind
-         characters, as in a file; or instead
-drawn    {ground: rows of # and ., agent, tools [{kind, cell, slip}], objects
-         [{kind, cell, goal or null}], drop}, things in any order; they are numbered
-         in the reading order of the map, objects that have goals first
-tool     the name of a tool in `hello`, which replaces the map's; none removes it;
-         by default those of the map
-sensor   state (the default), object, tool, agent, or cells: observes the object in
-         `cells` only
-thing    which of several objects (or tools, through the sensor tool), from 0
-cells    [[row, column], ...]
-horizon  0 (the default) to 10 actions
-actions  all (the default), moves, tool
-slip     0 (the default) to 0.5, the probability that a random action replaces the chosen one
-
-Cells are [row, column], counted from 0. A placement has the cells of agent, object
-and, with a tool, tool; on a map of several things those of agent, tool:picker, ...,
-object:can, ..., and optionally held and laid: the tool in hand, and the one dropped
-and not left since, as indices of the tools, -1 for none.
-
-A curve has x, mean, low, high, runs, carried_on. `hello` has version, worlds
-{name: drawn}, tools, objects (the known kinds), actions (their names, by index),
-limits, training (intrinsic {name: label}, algorithms {name: label},
-without_horizon, first {setting: value}), shapes (drawings of things: [outline,
-colour] from back to front), run (of the folder that the studio was started with:
-name, runs, map, tool, config; or null) and kept (the folder of trainings that are
-kept, or null).
-"""
+"""The validation of requests: of their form by `protocol`, of their scene by the library."""
 
 import json
 import re
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from collections.abc import Collection
+from reprlib import Repr
+from typing import Any
 
-from habilis.mdp import HELD, LAID
-from habilis.studio import training_settings
-from habilis.studio.fields import cell, checked, number, shown, text
-from habilis.studio.limits import MESSAGE, THINGS
+import msgspec
+from msgspec import inspect
+
+from habilis.studio.limits import MESSAGE
+from habilis.studio.protocol.requests import AnyRequest, Futures, Request
+from habilis.studio.protocol.scenes import GIVE, Index
 from habilis.studio.scenes import Scene
-from habilis.worlds.rules import ACTIONS
-from habilis.worlds.world import Cell
 
-ID = "id"
-_LARGEST = 2**53  # up to here JavaScript represents integers exactly
 _LONGEST_ERROR = 400
-_BEGINS_WITH_ID = re.compile(r'\s*\{\s*"id"\s*:\s*(\d{1,16})\s*,')
-_MOST_NAMED = 2 * THINGS + 3
-
-_FIELDS = {  # of each request: required and optional fields
-    "measure": (("scene",), ()),
-    "landscape": (("scene",), ("placement",)),
-    "read": (("scene",), ()),
-    "futures": (("scene", "agent"), ()),
-    "solve": (("scene",), ("placement",)),
-    "step": (("scene", "placement", "action"), ()),
-    "train": (("scene", "settings"), ()),
-    "stop": ((), ()),
-    "trainings": ((), ()),
-    "curve": (("name",), ()),
-    "run": (("index",), ("name", "placement")),
+_DECODER = msgspec.json.Decoder(AnyRequest)
+_KINDS: dict[str, inspect.StructType] = {
+    kind.tag: kind
+    for kind in inspect.type_info(AnyRequest).types  # type: ignore[attr-defined]
 }
-
-
-@dataclass(frozen=True)
-class Request:
-    """A validated request.
-
-    Attributes:
-        id: the page's number for it.
-        do: its name.
-        scene: its scene, if it has one.
-        values: its other fields.
-    """
-
-    id: int
-    do: str
-    scene: Scene | None = None
-    values: Mapping[str, Any] = field(default_factory=dict)
+_STEP = re.compile(r"\.(\w+)|\[(\d+)\]")  # of a path in an error
+_UNKNOWN = "Object contains unknown field `"
+_MISSING = "Object missing required field `"
+_SHORT = Repr()
+_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother = 2, 60, 60
 
 
 class MessageError(ValueError):
@@ -137,8 +35,14 @@ class MessageError(ValueError):
         self.id = number
 
 
-def read(message: Any, tools: Collection[str]) -> Request:
-    """A request from a message.
+class _Numbered(msgspec.Struct):
+    """The number of a message, whatever else it has."""
+
+    id: Index
+
+
+def read(message: Any, tools: Collection[str]) -> tuple[Request, Scene | None]:
+    """A request from a message, and its scene if it has one.
 
     Args:
         message: as received.
@@ -147,21 +51,20 @@ def read(message: Any, tools: Collection[str]) -> Request:
     Raises:
         MessageError: the message is invalid; one line says why.
     """
-    given, number_of = None, _id_of_long(message)
     try:
-        given = _object(message)
-        number_of = number(ID, given.get(ID), 0, _LARGEST, whole=True)
-        return _request(number_of, given, tools)
+        request = _request(message)
+        asked = getattr(request, "scene", None)
+        scene = None if asked is None else Scene.of(asked, tools)
+        if isinstance(request, Futures):
+            _check_inside(request.agent, scene)
     except (ValueError, RecursionError) as error:
-        raise MessageError(one_line(error), number_of) from None
+        raise MessageError(one_line(error), _number_of(message)) from None
+    return request, scene
 
 
-def _id_of_long(message: Any) -> int | None:
-    """The id at the start of a message that is too long to parse, so that it can be answered."""
-    if not isinstance(message, str) or len(message) <= MESSAGE:
-        return None
-    found = _BEGINS_WITH_ID.match(message)
-    return None if found is None or int(found[1]) > _LARGEST else int(found[1])
+def kind_of(request: Request) -> str:
+    """The name of a request."""
+    return str(request.__struct_config__.tag)
 
 
 def one_line(error: object) -> str:
@@ -170,64 +73,110 @@ def one_line(error: object) -> str:
     return line if len(line) <= _LONGEST_ERROR else f"{line[:_LONGEST_ERROR]}..."
 
 
-def _object(message: Any) -> dict[str, Any]:
+def shown(value: Any) -> str:
+    """A value as sent, truncated."""
+    return _SHORT.repr(value)
+
+
+def _request(message: Any) -> Request:
     if not isinstance(message, str):
         raise ValueError("a message is binary; send a JSON object as text")
     if len(message) > MESSAGE:
         raise ValueError(f"a message has {len(message):,} characters; send at most {MESSAGE:,}")
     try:
-        value = json.loads(message, parse_constant=_no_number)
+        return _DECODER.decode(message)
+    except msgspec.ValidationError as error:
+        raise ValueError(_explained(str(error), json.loads(message))) from None
     except RecursionError:
         raise ValueError("a message is nested too deeply; send an object as documented") from None
     except ValueError as error:
         raise ValueError(f"a message is not JSON ({error}); send an object") from None
+
+
+def _number_of(message: Any) -> int | None:
+    """The id of an invalid message, also of one that is too long, so that it can be answered."""
+    try:
+        return msgspec.json.decode(message, type=_Numbered).id
+    except (ValueError, TypeError, RecursionError):
+        return None
+
+
+def _check_inside(agent: tuple[int, int], scene: Scene | None) -> None:
+    assert scene is not None
+    row, column = agent
+    if not (0 <= row < scene.world.height and 0 <= column < scene.world.width):
+        raise ValueError(f"the agent's cell {agent} is outside the map; give a free cell")
+
+
+def _explained(error: str, value: Any) -> str:
+    """The decoder's error in our words: which field is wrong, and what to give instead."""
     if not isinstance(value, dict):
-        raise ValueError(f"a message is {shown(value)}; send an object")
-    return value
+        return f"a message is {shown(value)}; send an object"
+    what, _, path = error.partition(" - at `$")
+    do = value.get("do")
+    if not isinstance(do, str) or do not in _KINDS:
+        return f"do is {shown(do)}; use one of {', '.join(_KINDS)}"
+    name: str = ""
+    kind: Any = _KINDS[do]
+    for step in _STEP.finditer(path):
+        field, place = step.groups()
+        if field is not None:
+            kind = next(one.type for one in kind.fields if one.encode_name == field)
+            name, value = f"{name}.{field}" if name else field, value[field]
+        else:
+            kind = kind.item_type if hasattr(kind, "item_type") else kind.item_types[int(place)]
+            name, value = f"{name}[{place}]", value[int(place)]
+        kind, give = _bare(kind)
+        if give is not None:
+            return f"{name} has {shown(value)}; give {give}"
+    name = name or f"the message {do!r}"
+    if what.startswith(_MISSING):
+        return f"{name} has no {what[len(_MISSING) : -1]!r}; give it"
+    if what.startswith(_UNKNOWN):
+        known = ", ".join(one.encode_name for one in kind.fields)
+        return (
+            f"{name} has {shown(what[len(_UNKNOWN) : -1])}, which is unknown; it may have {known}"
+        )
+    return f"{name} is {shown(value)}; give {_wanted(kind)}"
 
 
-def _no_number(name: str) -> NoReturn:
-    raise ValueError(f"{name} is not a number")
+def _bare(kind: inspect.Type) -> tuple[Any, str | None]:
+    """A type without its description and without null; and its own words, if it has some."""
+    give = None
+    while isinstance(kind, inspect.Metadata | inspect.UnionType):
+        if isinstance(kind, inspect.Metadata):
+            give = (kind.extra or {}).get(GIVE, give)
+            kind = kind.type
+        else:
+            kind = next(one for one in kind.types if not isinstance(one, inspect.NoneType))
+    return kind, give
 
 
-def _request(number_of: int, given: dict[str, Any], tools: Collection[str]) -> Request:
-    do = given.get("do")
-    if not isinstance(do, str) or do not in _FIELDS:
-        raise ValueError(f"do is {shown(do)}; use one of {', '.join(_FIELDS)}")
-    required, optional = _FIELDS[do]
-    checked(f"the message {do!r}", given, (ID, "do", *required), optional)
-    scene = Scene.of(given["scene"], tools) if "scene" in required else None
-    read_one = {name: _READERS[name] for name in (*required, *optional) if name != "scene"}
-    values = {name: read_one[name](given[name]) for name in read_one if name in given}
-    if scene is not None and "agent" in values:
-        row, column = values["agent"]
-        if not (0 <= row < scene.world.height and 0 <= column < scene.world.width):
-            raise ValueError(
-                f"the agent's cell {values['agent']} is outside the map; give a free cell"
-            )
-    return Request(number_of, do, scene, values)
+def _wanted(kind: Any) -> str:
+    """The values of a type, in words."""
+    match kind:
+        case inspect.IntType():
+            return f"a whole number{_range(kind)}"
+        case inspect.FloatType():
+            return f"a finite number{_range(kind)}"
+        case inspect.LiteralType():
+            return f"one of {', '.join(map(str, kind.values))}"
+        case inspect.BoolType():
+            return "true or false"
+        case inspect.StrType():
+            return "text"
+        case inspect.ListType():
+            return f"a list of {_count(kind)}"
+        case _:
+            return "an object"
 
 
-def _action(value: Any) -> int | None:
-    return None if value is None else number("action", value, 0, len(ACTIONS), whole=True)
+def _range(kind: Any) -> str:
+    least, most = kind.ge, kind.le if kind.lt is None else kind.lt - 1
+    return "" if least is None else f" from {least:,} to {most:,}"
 
 
-def _placement(value: Any) -> dict[str, Cell | int]:
-    """A placement; the library checks whether it is possible."""
-    if not isinstance(value, dict) or "agent" not in value or len(value) > _MOST_NAMED:
-        raise ValueError(f"placement is {shown(value)}; give the cells of agent, object and tool")
-    return {
-        name: number(name, at, -1, THINGS, whole=True) if name in (HELD, LAID) else cell(name, at)
-        for name, at in value.items()
-        if at is not None
-    }
-
-
-_READERS = {
-    "agent": lambda value: cell("agent", value),
-    "placement": _placement,
-    "action": _action,
-    "settings": training_settings.checked_settings,
-    "index": lambda value: number("index", value, 0, _LARGEST, whole=True),
-    "name": lambda value: text("name", value),
-}
+def _count(kind: inspect.ListType) -> str:
+    if kind.max_length is None:
+        return "them"
+    return f"{kind.min_length or 0} to {kind.max_length}"

@@ -21,6 +21,8 @@ from collections.abc import Callable, Coroutine, Mapping
 from importlib import import_module
 from typing import IO, Any, TypeVar
 
+from msgspec import to_builtins
+
 from habilis.studio.limits import SECONDS
 
 _LENGTH = 4  # bytes
@@ -217,7 +219,8 @@ def work(steps: Mapping[str, Callable[..., Any]], requests: IO[bytes], answers: 
 def _answer(steps: Mapping[str, Callable[..., Any]], request: bytes) -> str:
     try:
         name, arguments = pickle.loads(request)
-        return json.dumps({"answer": steps[name](**arguments)}, allow_nan=False)
+        answer = steps[name](**arguments)
+        return json.dumps({"answer": answer}, allow_nan=False, default=to_builtins)
     except MemoryError:
         return json.dumps({"error": NOT_ENOUGH})
     except Exception as error:  # of any kind: it is reported to the caller, and the worker goes on

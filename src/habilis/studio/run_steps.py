@@ -20,23 +20,25 @@ from habilis.learning.runs import Run
 from habilis.learning.sources import map_of
 from habilis.mdp import HELD, LAID
 from habilis.studio.drawn_worlds import drawn_of
-from habilis.studio.scene_steps import Answer, placed, state_of
-from habilis.worlds.placements import Placement
+from habilis.studio.placements import Order, named, placed
+from habilis.studio.protocol.hello import RunAbout
+from habilis.studio.protocol.scenes import Placement
+from habilis.studio.scene_steps import Answer, state_of
 from habilis.worlds.rules import NONE
 
 _POINTS = 150  # of a curve, enough for a page
 _DIGITS = 5
 
 
-def summary_of(folder: Path) -> Answer:
+def summary_of(folder: Path) -> RunAbout:
     """A run's settings and world."""
     run = load_latest(folder)
-    return {
-        "name": folder.resolve().name,
-        "runs": run.config.runs,
-        "drawn": drawn_of(run.map),
-        "config": run.config.as_dict(),
-    }
+    return RunAbout(
+        name=folder.resolve().name,
+        runs=run.config.runs,
+        drawn=drawn_of(run.map),
+        config=run.config.as_dict(),
+    )
 
 
 def kept(folder: str) -> Answer:
@@ -81,7 +83,8 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
     """
     run = load_latest(folder)
     mdp = table_of(run)
-    start = mdp.start if at is None else state_of(run.map, mdp, at)
+    order = Order.of(run.map)
+    start = mdp.start if at is None else state_of(run.map, mdp, named(run.map, order, at))
     episode = play(run, index, start)
     policy, values = learned(run, mdp, index)
     here = np.ones(mdp.states, bool)
@@ -106,7 +109,7 @@ def view(folder: str, index: int, at: Placement | None = None) -> Answer:
         },
         "values": grids[1],
         "episode": {
-            "placements": [placed(run.map, mdp, state) for state in episode.states],
+            "placements": [placed(run.map, order, mdp, state) for state in episode.states],
             "actions": list(episode.actions),
             "values": [rounded(values[state]) for state in episode.states],
             "return": episode.episode_return,

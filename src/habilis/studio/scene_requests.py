@@ -6,13 +6,25 @@ from collections.abc import AsyncIterator, Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
+from msgspec import UNSET
+
 from habilis.processors import processors
 from habilis.studio.clients import Client
 from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.estimates import Estimate, in_stretches, verdicts
 from habilis.studio.limits import DRAWN, FEWEST
-from habilis.studio.messages import Request, one_line
+from habilis.studio.messages import one_line
 from habilis.studio.pool import Pool, StepError
+from habilis.studio.protocol import requests
+from habilis.studio.protocol.answers import (
+    Answer,
+    FuturesAnswer,
+    LandscapeAnswer,
+    MeasureAnswer,
+    ReadAnswer,
+    SolveAnswer,
+    StepAnswer,
+)
 from habilis.studio.scenes import Scene
 from habilis.worlds.world import NO_TOOL
 
@@ -64,17 +76,20 @@ class Pools:
         return self.slow if scene.is_stochastic else self.quick
 
 
-async def measure(pools: Pools, tools: tuple[str, ...], client: Client, request: Request) -> None:
+async def measure(
+    pools: Pools, tools: tuple[str, ...], client: Client, request: requests.Measure, scene: Scene
+) -> None:
     """Sends the landscape as soon as it is computed, then the tools' averages one by one."""
-    scene = _scene(request)
     await _landscape(pools, client, request.id, scene)
     await _averages(pools, tools, client, request.id, scene)
 
 
-async def landscape(pools: Pools, client: Client, request: Request) -> None:
+async def landscape(
+    pools: Pools, client: Client, request: requests.Landscape, scene: Scene
+) -> None:
     """Sends the landscape alone, optionally for another placement of the things."""
-    scene, at = _scene(request), request.values.get("placement")
-    await _landscape(pools, client, request.id, scene if at is None else scene.with_things(at))
+    at = request.placement
+    await _landscape(pools, client, request.id, scene if at is UNSET else scene.with_things(at))
 
 
 async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) -> None:
@@ -86,7 +101,9 @@ async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) ->
     seconds = time.perf_counter() - began
     least, most = (min(bits), max(bits)) if bits else (None, None)
     await client.answer(
-        number, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds
+        LandscapeAnswer(
+            id=number, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds
+        )
     )
 
 
@@ -100,7 +117,7 @@ async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) ->
     bits: list[float] = []
     places = len(scene.world.agent_cells)
     async for bits in in_stretches(places, step):
-        await client.answer(number, progress=len(bits) / places)
+        await client.answer(Answer(id=number, progress=len(bits) / places))
     return bits
 
 
@@ -120,13 +137,18 @@ async def _averages(
             async for average in _average(pools, client, scene, tool):
                 known[tool] = average
                 await client.answer(
-                    number,
-                    averages={tool: average.bits},
-                    within={tool: average.within},
-                    verdicts=verdicts(known),
+                    MeasureAnswer(
+                        id=number,
+                        averages={tool: average.bits},
+                        within={tool: average.within},
+                        verdicts=verdicts(known),
+                    )
                 )
         except StepError as error:
-            await client.answer(number, averages={tool: None}, verdicts={}, why=one_line(error))
+            none: dict[str, float | None] = {tool: None}
+            await client.answer(
+                MeasureAnswer(id=number, averages=none, verdicts={}, why=one_line(error))
+            )
 
 
 async def _average(
@@ -150,44 +172,36 @@ async def _average(
             return
 
 
-async def read(pools: Pools, client: Client, request: Request) -> None:
-    world = _scene(request).world
-    await client.answer(request.id, drawn=drawn_of(world), text=world.text())
+async def read(pools: Pools, client: Client, request: requests.Read, scene: Scene) -> None:
+    world = scene.world
+    await client.answer(ReadAnswer(id=request.id, drawn=drawn_of(world), text=world.text()))
 
 
-async def futures(pools: Pools, client: Client, request: Request) -> None:
-    scene = _scene(request)
-    agent = request.values["agent"]
-    found = await client.step(pools.for_one(scene), "choices", scene=scene, agent=agent)
-    await client.answer(request.id, **found)
+async def futures(pools: Pools, client: Client, request: requests.Futures, scene: Scene) -> None:
+    pool, agent = pools.for_one(scene), request.agent
+    found = await client.step(pool, "choices", scene=scene, agent=agent)
+    await client.pass_on(FuturesAnswer, request.id, found)
 
 
-async def solve(pools: Pools, client: Client, request: Request) -> None:
-    at = request.values.get("placement")
-    found = await client.step(pools.slow, "plan", scene=_scene(request), at=at)
-    await client.answer(request.id, **found)
+async def solve(pools: Pools, client: Client, request: requests.Solve, scene: Scene) -> None:
+    at = None if request.placement is UNSET else request.placement
+    found = await client.step(pools.slow, "plan", scene=scene, at=at)
+    await client.pass_on(SolveAnswer, request.id, found)
 
 
-async def step(pools: Pools, client: Client, request: Request) -> None:
-    scene, values = _scene(request), request.values
-    found = await client.step(
-        pools.for_one(scene), "step", scene=scene, at=values["placement"], action=values["action"]
-    )
-    await client.answer(request.id, **found)
+async def step(pools: Pools, client: Client, request: requests.Step, scene: Scene) -> None:
+    pool, at = pools.for_one(scene), request.placement
+    found = await client.step(pool, "step", scene=scene, at=at, action=request.action)
+    await client.pass_on(StepAnswer, request.id, found)
 
 
-ANSWERS: dict[str, Callable[[Pools, Client, Request], Coroutine[Any, Any, None]]] = {
-    "landscape": landscape,
-    "read": read,
-    "futures": futures,
-    "solve": solve,
-    "step": step,
+ANSWERS: dict[type[requests.Request], Callable[..., Coroutine[Any, Any, None]]] = {
+    requests.Landscape: landscape,
+    requests.Read: read,
+    requests.Futures: futures,
+    requests.Solve: solve,
+    requests.Step: step,
 }
-
-
-def _scene(request: Request) -> Scene:
-    assert request.scene is not None, "validated with the message"
-    return request.scene
 
 
 def _grid(scene: Scene, bits: list[float]) -> Grid:

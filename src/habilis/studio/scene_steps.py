@@ -21,16 +21,18 @@ from habilis.empowerment.methods import Exact
 from habilis.empowerment.tabular.beliefs import TooManyBeliefsError
 from habilis.empowerment.tabular.cost import check_effort, most_entries
 from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
-from habilis.mdp import HELD, LAID, TabularMDP
+from habilis.mdp import TabularMDP
 from habilis.studio.limits import DRAWN, FEWEST, GIB, SECONDS
+from habilis.studio.placements import placed
+from habilis.studio.protocol import scenes as protocol
 from habilis.studio.random_placements import random_placements
 from habilis.studio.scenes import ELSEWHERE, Scene
 from habilis.transitions import Transitions
-from habilis.worlds.placements import Placement, start_of
+from habilis.worlds.placements import Placement
 from habilis.worlds.plans import check_certain, solve
 from habilis.worlds.reach import TooManyPlacementsError, reachable
 from habilis.worlds.table import tabulate
-from habilis.worlds.world import World
+from habilis.worlds.world import Cell, World
 
 Answer = dict[str, Any]
 Cells = list[list[int]]
@@ -81,9 +83,9 @@ def average(scene: Scene, tool: str) -> Answer:
     return {"bits": float(bits.mean()), "some": bool(bits.max() > NOTHING)}
 
 
-def choices(scene: Scene, agent: list[int]) -> Answer:
+def choices(scene: Scene, agent: Cell) -> Answer:
     """The futures that the agent can reach from a cell."""
-    mdp, states = _around(scene, [_at(scene, (agent[0], agent[1]))])
+    mdp, states = _around(scene, [_at(scene, agent)])
     state, sensor = int(states[0]), scene.sensed(mdp)
     found = futures(
         mdp, state, scene.horizon, sensor, scene.action_indices, method=Exact(max_gib=GIB)
@@ -106,14 +108,14 @@ def choices(scene: Scene, agent: list[int]) -> Answer:
     }
 
 
-def plan(scene: Scene, at: Placement | None = None) -> Answer:
+def plan(scene: Scene, at: protocol.Placement | None = None) -> Answer:
     """A shortest plan from a placement, by default the map's, with its placements."""
     world = check_certain(scene.world)
     if world.single:
         mdp = tabulate(world)
-        start = mdp.start if at is None else state_of(world, mdp, at)
+        start = mdp.start if at is None else state_of(world, mdp, scene.named(at))
     else:
-        mdp, start = _within_reach(world, scene.placement if at is None else at)
+        mdp, start = _within_reach(world, scene.placement if at is None else scene.named(at))
     found = solve(mdp, start)
     if found is None:
         return {"steps": None, "return": None, "actions": None, "placements": None}
@@ -121,20 +123,20 @@ def plan(scene: Scene, at: Placement | None = None) -> Answer:
         "steps": found.steps,
         "return": found.best_return,
         "actions": list(found.actions),
-        "placements": [placed(world, mdp, state) for state in found.states],
+        "placements": [placed(world, scene.listed, mdp, state) for state in found.states],
     }
 
 
-def step(scene: Scene, at: Placement, action: int | None) -> Answer:
+def step(scene: Scene, at: protocol.Placement, action: int | None) -> Answer:
     """The effect of an action in a placement, and the bits of the placement reached.
 
     Args:
         scene: the world, and what is measured.
-        at: the placement, in the library's format.
+        at: the placement.
         action: its index; `None` stays.
     """
     world = scene.world
-    mdp, states = reachable(world, at, 1)
+    mdp, states = reachable(world, scene.named(at), 1)
     state, reward, ended = int(states[0]), None, bool(mdp.terminal[states[0]])
     if action is not None:
         if not 0 <= action < mdp.action_count:
@@ -145,10 +147,10 @@ def step(scene: Scene, at: Placement, action: int | None) -> Answer:
         made = transitions.drawn(state * mdp.action_count + action, random.random())
         state, reward = int(transitions.next_state[made]), float(transitions.reward[made])
         ended = bool(mdp.terminal[state])
-    now = placed(world, mdp, state)
+    now = placed(world, scene.listed, mdp, state)
     return {
         "placement": now,
-        "bits": float(_bits(scene, [_words(now)])[0]),
+        "bits": float(_bits(scene, [scene.named(now)])[0]),
         "equipped": bool(mdp.flags["equipped"][state]),
         "attached": bool(mdp.flags["attached"][state]),
         "reward": reward,
@@ -182,22 +184,7 @@ def state_of(world: World, mdp: TabularMDP, at: Placement) -> int:
     return int(np.flatnonzero(same)[0])
 
 
-def placed(world: World, mdp: TabularMDP, state: int) -> dict[str, Any]:
-    """The placement of a state, in the library's format."""
-    names = [*start_of(world), *(name for name in (HELD, LAID) if name in mdp.factors)]
-    found = {name: int(mdp.factor(name)[state]) for name in names}
-    return {
-        name: list(divmod(at, world.width)) if mdp.is_cell(name) else at
-        for name, at in found.items()
-    }
-
-
-def _words(at: dict[str, Any]) -> Placement:
-    """The placement with cells as tuples."""
-    return {name: tuple(cell) if isinstance(cell, list) else cell for name, cell in at.items()}
-
-
-def _at(scene: Scene, agent: tuple[int, int]) -> Placement:
+def _at(scene: Scene, agent: Cell) -> Placement:
     return {**scene.placement, "agent": agent}
 
 
@@ -281,4 +268,4 @@ def prepare(background: bool) -> None:
     world = World.parse("AP..\n.C.G\n....\n....")
     for sensor in ("object", "state"):
         landscape(Scene(world, sensor, horizon=2))
-        choices(Scene(world, sensor, horizon=2, slip=0.1 if background else 0.0), [0, 0])
+        choices(Scene(world, sensor, horizon=2, slip=0.1 if background else 0.0), (0, 0))

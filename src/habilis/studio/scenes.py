@@ -3,28 +3,27 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from jaxtyping import Int
+from msgspec import UNSET
 
 from habilis.analysis.averages import held
-from habilis.mdp import HELD, LAID, TabularMDP
-from habilis.studio.drawn_worlds import world_of
-from habilis.studio.fields import cell, checked, number, one_of, text
-from habilis.studio.limits import HORIZON, SIDES, SLIP
+from habilis.mdp import TabularMDP
+from habilis.studio.drawn_worlds import check_known, order_of, world_of
+from habilis.studio.limits import SIDES
+from habilis.studio.placements import Order, named
+from habilis.studio.protocol import scenes as protocol
 from habilis.worlds.map_text import header, map_lines
 from habilis.worlds.own_tools import is_own
 from habilis.worlds.placements import Factors, Placement, placed_at, start_of
 from habilis.worlds.world import NO_TOOL, Cell, World
 
-SENSORS = ("state", "object", "tool", "agent", "cells")
 ACTIONS = {"all": None, "moves": (0, 1, 2, 3), "tool": (4, 5, 6, 7)}
 ELSEWHERE = -1
 """The observation of the sensor "cells" if the object is in none of the chosen cells."""
 
 _MAP = "map"  # its name in the library's errors
-_MOST_CELLS = SIDES[1] ** 2
 
 
 @dataclass(frozen=True)
@@ -33,12 +32,13 @@ class Scene:
 
     Attributes:
         world: with the selected tool.
-        sensor: one of `SENSORS`.
+        sensor: as in a message.
         thing: the index of the tool of the sensor "tool", or of the object of all others.
         cells: those that the sensor "cells" distinguishes.
         horizon: in actions.
         actions: one of `ACTIONS`.
         slip: the probability that a random action replaces the chosen one.
+        order: of its things in messages.
     """
 
     world: World
@@ -48,43 +48,46 @@ class Scene:
     horizon: int = 0
     actions: str = "all"
     slip: float = 0.0
+    order: Order | None = None
 
     @classmethod
-    def of(cls, value: Any, tools: Collection[str]) -> "Scene":
+    def of(cls, asked: protocol.Scene, tools: Collection[str]) -> "Scene":
         """A scene from a message.
 
         Args:
-            value: the message's field.
+            asked: as the message has it.
             tools: the names of all tools.
 
         Raises:
-            ValueError: the value is invalid, or exceeds the limits; the message says why.
+            ValueError: there is no such world or thing; the message says why.
         """
-        given = _DEFAULTS | checked("scene", value, required=(), optional=tuple(_DEFAULTS))
-        cells = given["cells"]
-        if not isinstance(cells, list) or len(cells) > _MOST_CELLS:
-            raise ValueError(
-                f"cells is not a list of at most {_MOST_CELLS} cells, as [[0, 1], [2, 3]]"
-            )
-        if (given["map"] is None) == (given["drawn"] is None):
+        if (asked.map is UNSET) == (asked.drawn is UNSET):
             raise ValueError("scene has no map; give it as text, map, or as drawn")
-        if given["map"] is not None:
-            world = _read(text("map", given["map"]), frozenset(tools))
+        if asked.drawn is UNSET:
+            world = _read(asked.map, frozenset(tools))
+            order = Order.of(world)
         else:
-            world = world_of(given["drawn"], tools, _MAP)
+            world = world_of(asked.drawn, tools, _MAP)
+            order = order_of(asked.drawn)
         check_size(world)
-        if given["tool"] is not None:
-            world = world.with_tool(one_of("tool", given["tool"], [*tools, NO_TOOL]))
-        sensor = one_of("sensor", given["sensor"], SENSORS)
-        among = max(len(world.tools if sensor == "tool" else world.objects), 1)
+        if asked.tool is not UNSET:
+            check_known("tool", asked.tool, [*tools, NO_TOOL])
+            world = world.with_tool(asked.tool)
+            order = Order(Order.of(world).tools, order.objects)
+        by_index = order.tools if asked.sensor == "tool" else order.objects
+        if by_index and asked.thing >= len(by_index):
+            raise ValueError(
+                f"thing is {asked.thing}; give a whole number from 0 to {len(by_index) - 1}"
+            )
         return cls(
             world,
-            sensor,
-            tuple(cell("cells", one) for one in cells),
-            number("thing", given["thing"], 0, among - 1, whole=True),
-            number("horizon", given["horizon"], 0, HORIZON, whole=True),
-            one_of("actions", given["actions"], tuple(ACTIONS)),
-            number("slip", given["slip"], 0, SLIP),
+            asked.sensor,
+            tuple(asked.cells),
+            by_index[asked.thing] if by_index else 0,
+            asked.horizon,
+            asked.actions,
+            asked.slip,
+            order,
         )
 
     @property
@@ -107,25 +110,33 @@ class Scene:
         """The placement on the map."""
         return start_of(self.world)
 
-    def with_things(self, at: Placement) -> "Scene":
+    @property
+    def listed(self) -> Order:
+        """The order of its things in messages; by default, the world's."""
+        return Order.of(self.world) if self.order is None else self.order
+
+    def named(self, at: protocol.Placement) -> Placement:
+        """A message's placement in the library's format.
+
+        Raises:
+            ValueError: it has the wrong number of things.
+        """
+        return named(self.world, self.listed, at)
+
+    def with_things(self, at: protocol.Placement) -> "Scene":
         """The same scene with its things elsewhere.
 
         Raises:
             ValueError: a thing is not on a free cell.
         """
-        missing = [name for name in ("agent", *Factors.of(self.world).objects) if name not in at]
-        unknown = [name for name in at if name not in self.placement and name not in _HANDS]
-        if missing or unknown:
-            raise ValueError(
-                f"placement has {', '.join(at)}; give the cells of {', '.join(self.placement)}"
-            )
-        there = {name: at.get(name, cell) for name, cell in self.placement.items()}
-        return replace(self, world=placed_at(self.world, there))
+        return replace(self, world=placed_at(self.world, self.named(at)))
 
     def with_tool(self, tool: str) -> "Scene":
         """The scene of a tool's average: all actions, observing the object."""
         world = held(self.world.with_object(self.object).with_tool(tool))
-        return replace(self, world=world, sensor="object", thing=0, actions="all", cells=())
+        return replace(
+            self, world=world, sensor="object", thing=0, actions="all", cells=(), order=None
+        )
 
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":
         """The sensor in the library's format."""
@@ -142,20 +153,6 @@ class Scene:
     def seen(self) -> str:
         """The factor of the observed object."""
         return Factors.of(self.world).objects[0 if self.sensor == "tool" else self.thing]
-
-
-_HANDS = (HELD, LAID)
-_DEFAULTS: dict[str, Any] = {
-    "map": None,
-    "drawn": None,
-    "tool": None,
-    "sensor": "state",
-    "cells": [],
-    "thing": 0,
-    "horizon": 0,
-    "actions": "all",
-    "slip": 0.0,
-}
 
 
 def check_size(world: World) -> None:

@@ -3,13 +3,13 @@
 import asyncio
 import contextlib
 import socket
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
+import msgspec
 import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request as HttpRequest
@@ -25,8 +25,12 @@ from habilis.studio import limits, scene_requests, training_requests
 from habilis.studio.clients import Client
 from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.limits import CLIENTS, MESSAGE
-from habilis.studio.messages import MessageError, Request, read
+from habilis.studio.messages import MessageError, kind_of, read
+from habilis.studio.protocol import requests
+from habilis.studio.protocol.answers import Answer
+from habilis.studio.protocol.hello import Greeting, Hello, Limits, RunAbout, TrainingLimits
 from habilis.studio.scene_requests import Pools
+from habilis.studio.scenes import Scene
 from habilis.studio.security import Access, Guard
 from habilis.studio.training_jobs import Trainings
 from habilis.studio.training_settings import offered
@@ -62,7 +66,7 @@ class Studio:
     trainings: Trainings
     tools: tuple[str, ...] = ()
     run: Path | None = None
-    shown: Mapping[str, Any] | None = None
+    shown: RunAbout | None = None
     kept: Path | None = None
     clients: set[Client] = field(default_factory=set)
 
@@ -70,47 +74,61 @@ class Studio:
     def all_tools(self) -> tuple[str, ...]:
         return *TOOLS, *self.tools
 
-    def hello(self) -> dict[str, Any]:
+    @cached_property
+    def greeting(self) -> str:
         """The greeting of a page."""
+        return msgspec.json.encode(Greeting(self._hello())).decode()
+
+    def _hello(self) -> Hello:
         shapes = SHAPES | {name: drawing_of(tool_named(name)) for name in self.tools}
-        return {
-            "version": habilis.__version__,
-            "worlds": {name: drawn_of(load_world(name)) for name in world_names()},
-            "tools": [*self.all_tools, NO_TOOL],
-            "objects": list(OBJECTS),
-            "actions": [*ACTIONS, DROP_NAME],
-            "limits": limits.greeting(),
-            "training": offered(),
-            "shapes": {
-                name: [[shape.path, shape.fill] for shape in drawing]
+        return Hello(
+            version=habilis.__version__,
+            worlds={name: drawn_of(load_world(name)) for name in world_names()},
+            tools=[*self.all_tools, NO_TOOL],
+            objects=list(OBJECTS),
+            actions=[*ACTIONS, DROP_NAME],
+            limits=Limits(
+                side=limits.SIDES,
+                things=limits.THINGS,
+                horizon=limits.HORIZON,
+                slip=limits.SLIP,
+                tool_slip=limits.TOOL_SLIP,
+                message=limits.MESSAGE,
+                training=TrainingLimits(**limits.TRAINING),
+            ),
+            training=offered(),
+            shapes={
+                name: [(shape.path, shape.fill) for shape in drawing]
                 for name, drawing in shapes.items()
             },
-            "run": self.shown,
-            "kept": None if self.kept is None else str(self.kept),
-        }
+            run=self.shown,
+            kept=None if self.kept is None else str(self.kept),
+        )
 
-    async def answer(self, client: Client, request: Request) -> None:
+    async def answer(self, client: Client, request: requests.Request, scene: Scene | None) -> None:
         """Starts to answer a request."""
         pools, trainings = self.pools, self.trainings
-        if request.do == "stop":
-            await client.stop(request.id)
-            return
-        if request.do == "train" and client.trainings:
-            await client.answer(request.id, error="a training is in progress; stop it first")
-            return
-        if request.do == "measure":
-            work = scene_requests.measure(pools, self.all_tools, client, request)
-        elif request.do == "train":
-            work = training_requests.train(pools, trainings, client, request)
-        elif request.do == "trainings":
-            work = training_requests.listed(pools, trainings, client, request)
-        elif request.do == "curve":
-            work = training_requests.curve(pools, trainings, client, request)
-        elif request.do == "run":
-            work = training_requests.run(pools, trainings, self.run, client, request)
-        else:
-            work = scene_requests.ANSWERS[request.do](pools, client, request)
-        await client.ask(request.do, request.id, work)
+        match request:
+            case requests.Stop():
+                await client.stop(request.id)
+                return
+            case requests.Train() if client.trainings:
+                words = "a training is in progress; stop it first"
+                await client.answer(Answer(id=request.id, error=words))
+                return
+            case requests.Measure() if scene is not None:
+                work = scene_requests.measure(pools, self.all_tools, client, request, scene)
+            case requests.Train() if scene is not None:
+                work = training_requests.train(pools, trainings, client, request, scene)
+            case requests.Trainings():
+                work = training_requests.listed(pools, trainings, client, request)
+            case requests.Curve():
+                work = training_requests.curve(pools, trainings, client, request)
+            case requests.Run():
+                work = training_requests.run(pools, trainings, self.run, client, request)
+            case _:
+                work = scene_requests.ANSWERS[type(request)](pools, client, request, scene)
+        await client.ask(kind_of(request), request.id, work)
 
 
 def application(studio: Studio) -> Guard:
@@ -154,17 +172,18 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
     client = Client(send)
     studio.clients.add(client)
     try:
-        await socket.send_json({"hello": studio.hello()})
+        await socket.send_text(studio.greeting)
         while True:
             message = await socket.receive()
             if message["type"] == "websocket.disconnect":
                 return
             try:
-                request = read(message.get("text") or message.get("bytes"), studio.all_tools)
+                said = message.get("text") or message.get("bytes")
+                request, scene = read(said, studio.all_tools)
             except MessageError as error:
-                await client.answer(error.id, error=str(error))
+                await client.answer(Answer(id=error.id, error=str(error)))
             else:
-                await studio.answer(client, request)
+                await studio.answer(client, request, scene)
             await asyncio.sleep(0)  # a client that sends without pause does not block others
     except WebSocketDisconnect:
         pass

@@ -11,10 +11,13 @@ from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from habilis.files import write_whole
 from habilis.learning.config import Config
-from habilis.studio.fields import shown
 from habilis.studio.limits import TRAINING
+from habilis.studio.messages import shown
+from habilis.studio.protocol.requests import Settings
 from habilis.studio.scenes import Scene
 from habilis.studio.training_settings import check_trainable
 
@@ -112,7 +115,7 @@ class Trainings:
         return self.folder / name
 
     @contextlib.contextmanager
-    def one(self, scene: Scene, settings: dict[str, Any]) -> Iterator[Training]:
+    def one(self, scene: Scene, settings: Settings) -> Iterator[Training]:
         """A new training.
 
         Raises:
@@ -123,7 +126,8 @@ class Trainings:
         check_trainable(scene)
         name = secrets.token_hex(_NAME)
         drawn = self.folder / f"{name}.txt"
-        config = Config.from_dict(settings | {"world": str(drawn), "slip": scene.slip})
+        given = msgspec.to_builtins(settings)  # those that the message has
+        config = Config.from_dict(given | {"world": str(drawn), "slip": scene.slip})
         with _writing(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
             text = scene.world.located().text().encode()

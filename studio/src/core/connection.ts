@@ -1,6 +1,6 @@
 /** The WebSocket to the server: numbered requests, and answers routed to their callers. */
 
-import type { Common, Hello } from "./protocol";
+import type { Answer, Hello, Messages } from "./protocol";
 
 export type Status = "connecting" | "open" | "lost";
 
@@ -10,15 +10,18 @@ export interface Asked {
   forget(): void;
 }
 
+/** An answer; or that the connection was lost, and no further answers will come. */
+export type Heard<Name extends keyof Messages> = Messages[Name]["answer"] & { lost?: boolean };
+
 export interface Connection {
   /** Sends a request; `on` gets every answer to it, until it is forgotten or the connection is lost. */
-  ask<Answer extends Common>(
-    what: string,
-    body: object,
-    on: (answer: Answer) => void,
+  ask<Name extends keyof Messages>(
+    what: Name,
+    body: Omit<Messages[Name]["request"], "id" | "do">,
+    on: (answer: Heard<Name>) => void,
   ): Asked;
   /** Sends a message about an earlier request, whose caller gets the answers. */
-  tell(asked: Asked, what: string): void;
+  tell(asked: Asked, what: "stop"): void;
 }
 
 const FIRST_WAIT = 400;
@@ -48,22 +51,23 @@ export function connect(
     };
   }
 
-  function receive(message: (Common & { hello?: Hello }) | { hello: Hello }): void {
+  function receive(message: (Answer & { hello?: Hello }) | { hello: Hello }): void {
     if (message.hello !== undefined) {
       wait = FIRST_WAIT;
       onStatus("open");
       onHello(message.hello);
       return;
     }
-    const answer = message as Common;
-    const listener = listeners.get(answer.id) as ((answer: Common) => void) | undefined;
+    const answer = message as Answer;
+    if (answer.id === null) return;
+    const listener = listeners.get(answer.id) as ((answer: Answer) => void) | undefined;
     if (answer.overtaken || answer.error !== undefined) listeners.delete(answer.id);
     if (!answer.overtaken) listener?.(answer);
   }
 
   /** Every request gets an answer, even if the connection is lost. */
   function lose(id: number): void {
-    const listener = listeners.get(id) as ((answer: Common) => void) | undefined;
+    const listener = listeners.get(id) as ((answer: Answer & { lost: true }) => void) | undefined;
     listeners.delete(id);
     listener?.({ id, error: LOST, lost: true });
   }

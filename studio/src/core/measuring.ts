@@ -1,7 +1,7 @@
 /** Requests the landscape and the averages of the current scene; the newest request wins. */
 
 import type { Asked, Connection } from "./connection";
-import type { Grid, MeasureAnswer, Verdict } from "./protocol";
+import type { Grid, Verdict } from "./protocol";
 import { message, type Scene } from "./scene";
 import type { Store } from "./store";
 
@@ -60,7 +60,7 @@ export function createMeasuring(connection: Connection, store: Store): Measuring
   function ask(): void {
     due = false;
     const scene = store.scene();
-    asked = connection.ask<MeasureAnswer>("measure", { scene: message(scene) }, (answer) => {
+    asked = connection.ask("measure", { scene: message(scene) }, (answer) => {
       if (answer.lost) return; // keep the old values until the next request
       if (answer.error !== undefined) {
         tell({ ...NOTHING, error: answer.error, pending: false, scene });

@@ -1,7 +1,7 @@
 /** A world and the question asked about it: the content of a link to the page. */
 
-import type { ActionSet, Cell, Placement, SceneMessage, Sensor, Words } from "./protocol";
-import { drawnOf, libraryOrder, namesOf, several, type Tool, type World } from "./world";
+import type { ActionSet, Cell, Placement, Scene as SceneMessage, Sensor } from "./protocol";
+import { drawnOf, namesOf, type Tool, type World } from "./world";
 
 export interface Scene {
   readonly world: World;
@@ -65,13 +65,13 @@ export function fitted(scene: Scene): Scene {
 }
 
 /** The scene in the server's format. */
-export function message(scene: Scene): SceneMessage {
+export function message(scene: Scene): SceneMessage & Required<Pick<SceneMessage, "drawn">> {
   const { world, bare, sensor, thing, cells, horizon, actions, slip } = scene;
   return {
     drawn: drawnOf(world),
     ...(bare ? { tool: NO_TOOL } : {}),
     sensor,
-    thing: libraryOrder(sensor === "tool" ? toolsOf(scene) : world.objects).indexOf(thing),
+    thing,
     cells: sensor === "cells" ? cells.map((cell) => cellOf(world, cell)) : [],
     horizon,
     actions: toolsOf(scene).length ? actions : "all",
@@ -86,42 +86,5 @@ export function startOf(scene: Scene): Placement {
     agent: cellOf(world, world.agent),
     tools: toolsOf(scene).map(({ cell }) => cellOf(world, cell)),
     objects: world.objects.map(({ cell }) => cellOf(world, cell)),
-  };
-}
-
-/** The names of tools and objects in the library's placements, in drawing order. */
-function factors(world: World, tools: readonly Tool[]): { tools: string[]; objects: string[] } {
-  if (!several({ ...world, tools })) return { tools: tools.map(() => "tool"), objects: ["object"] };
-  return {
-    tools: namesOf(tools).map((name) => `tool:${name}`),
-    objects: namesOf(world.objects).map((name) => `object:${name}`),
-  };
-}
-
-/** A placement in the server's format. */
-export function inWords(world: World, tools: readonly Tool[], placement: Placement): Words {
-  const names = factors(world, tools);
-  const { agent, held, laid } = placement;
-  const place = (of: number) => (of < 0 ? of : libraryOrder(tools).indexOf(of));
-  return {
-    agent,
-    ...Object.fromEntries(names.tools.map((name, of) => [name, placement.tools[of]!])),
-    ...Object.fromEntries(names.objects.map((name, of) => [name, placement.objects[of]!])),
-    ...(held === undefined ? {} : { held: place(held) }),
-    ...(laid === undefined ? {} : { laid: place(laid) }),
-  };
-}
-
-/** A placement from the server's format. */
-export function placementOf(world: World, tools: readonly Tool[], words: Words): Placement {
-  const names = factors(world, tools);
-  const { held, laid } = words as { held?: number; laid?: number };
-  const which = (place: number) => libraryOrder(tools)[place] ?? place;
-  return {
-    agent: words["agent"] as Cell,
-    tools: names.tools.map((name) => words[name] as Cell),
-    objects: names.objects.map((name) => words[name] as Cell),
-    ...(held === undefined ? {} : { held: which(held) }),
-    ...(laid === undefined ? {} : { laid: which(laid) }),
   };
 }

@@ -2,15 +2,20 @@
 
 import type { RunAbout } from "./protocol";
 
-export interface Watched {
-  current(): RunAbout | null;
-  show(about: RunAbout): void;
-  watch(watcher: (about: RunAbout | null) => void): void;
+export interface Watchable extends RunAbout {
+  /** The name to request it by; absent for the folder's own run. */
+  readonly asked?: string;
 }
 
-export function createWatched(first: RunAbout | null): Watched {
+export interface Watched {
+  current(): Watchable | null;
+  show(about: Watchable): void;
+  watch(watcher: (about: Watchable | null) => void): void;
+}
+
+export function createWatched(first: Watchable | null): Watched {
   let about = first;
-  const watchers: ((about: RunAbout | null) => void)[] = [];
+  const watchers: ((about: Watchable | null) => void)[] = [];
   return {
     current: () => about,
     show(next) {

@@ -144,8 +144,8 @@ function settled(world: World, thing: Standing, near: number): World {
   return put({ ...world, walls: world.walls.with(cell, false) }, thing, cell);
 }
 
-/** The places of things in the order in which the library has them: as a map is read, goals first. */
-export function libraryOrder(things: readonly (Tool | Thing)[]): number[] {
+/** The places of things in the order in which they are numbered: as a map is read, goals first. */
+function numbered(things: readonly (Tool | Thing)[]): number[] {
   const late = (of: number) => Number("goal" in things[of]! && (things[of] as Thing).goal === null);
   return things
     .map((_, of) => of)
@@ -156,7 +156,7 @@ export function libraryOrder(things: readonly (Tool | Thing)[]): number[] {
 export function namesOf(things: readonly (Tool | Thing)[]): string[] {
   const names: string[] = [];
   const count = new Map<string, number>();
-  for (const of of libraryOrder(things)) {
+  for (const of of numbered(things)) {
     const kind = things[of]!.kind.split(":").at(-1)!;
     const before = count.get(kind) ?? 0;
     count.set(kind, before + 1);
@@ -170,10 +170,9 @@ export function several({ tools, objects, drop }: World): boolean {
   return tools.length > 1 || objects.length > 1 || (drop && tools.length > 0);
 }
 
-/** In the server's format: things in the library's order. */
+/** In the server's format. */
 export function drawnOf(world: World): Drawn {
-  const tools = libraryOrder(world.tools).map((of) => world.tools[of]!);
-  const objects = libraryOrder(world.objects).map((of) => world.objects[of]!);
+  const { tools, objects } = world;
   const at = (cell: number): Cell => [Math.floor(cell / world.width), cell % world.width];
   const row = (k: number) => world.walls.slice(k * world.width, (k + 1) * world.width);
   return {

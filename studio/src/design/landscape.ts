@@ -102,7 +102,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     }
     timer = window.setTimeout(() => {
       const body = { scene: message(store.scene()), agent: cell };
-      asked = connection.ask<FuturesAnswer>("futures", body, (answer) => show(cell, answer));
+      asked = connection.ask("futures", body, (answer) => show(cell, answer));
     }, HOVER_WAIT);
   }
 

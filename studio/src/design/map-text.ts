@@ -2,7 +2,7 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
-import type { ReadAnswer } from "../core/protocol";
+import type { ReadAnswer, Scene as SceneMessage } from "../core/protocol";
 import { fitted, NO_TOOL } from "../core/scene";
 import { drawnOf, worldOf } from "../core/world";
 import { openDialog } from "../frame/dialog";
@@ -19,8 +19,8 @@ export function openMapText({ hello, connection, store }: App): void {
   const fault = h("p", { class: "fault", role: "alert" });
 
   /** The library's reading of a map, drawn or as text. */
-  function read(map: object, then: (answer: Required<Pick<ReadAnswer, "drawn" | "text">>) => void) {
-    const asked = connection.ask<ReadAnswer>("read", { scene: map }, ({ error, drawn, text }) => {
+  function read(map: SceneMessage, then: (answer: Required<Pick<ReadAnswer, "drawn" | "text">>) => void) {
+    const asked = connection.ask("read", { scene: map }, ({ error, drawn, text }) => {
       if (error !== undefined) fault.textContent = error;
       else if (drawn && text !== undefined) {
         asked.forget();

@@ -1,9 +1,9 @@
 /** The landscape over the board: the bits of every cell, tool and can being where they are now. */
 
 import type { App } from "../core/app";
-import type { Asked } from "../core/connection";
-import type { LandscapeAnswer, Placement } from "../core/protocol";
-import { inWords, message, toolsOf } from "../core/scene";
+import type { Asked, Heard } from "../core/connection";
+import type { Placement } from "../core/protocol";
+import { message } from "../core/scene";
 import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
 import type { Picture } from "../draw/board";
@@ -25,20 +25,19 @@ export interface Bits {
 export function createBits({ connection, store }: App, onChange: () => void): Bits {
   const scale = createScaleBar("bits if the agent stood there", 2);
   const shown = toggle("Bits", "bits-layer", onChange);
-  let answer: LandscapeAnswer | null = null;
+  let answer: Heard<"landscape"> | null = null;
   let asked: Asked | null = null;
   let of = ""; // the last question
   let late = false;
 
   function ask(placement: Placement): void {
     const scene = store.scene();
-    const placed = inWords(scene.world, toolsOf(scene), placement);
-    const body = { scene: message(scene), placement: placed };
-    const question = JSON.stringify([body.scene, { ...placed, agent: null, held: null }]);
+    const body = { scene: message(scene), placement };
+    const question = JSON.stringify([body.scene, { ...placement, agent: null, held: null }]);
     if (question === of) return;
     asked?.forget();
     [of, late] = [question, true];
-    asked = connection.ask<LandscapeAnswer>("landscape", body, (next) => {
+    asked = connection.ask("landscape", body, (next) => {
       if (next.progress !== undefined) return;
       asked?.forget();
       if (next.lost) {

@@ -1,8 +1,8 @@
 /** A game from the map's start: actions are sent to the server one after the other. */
 
 import type { App } from "../core/app";
-import type { Placement, SolveAnswer, StepAnswer, Words } from "../core/protocol";
-import { inWords, message, placementOf, startOf, toolsOf, type Scene } from "../core/scene";
+import type { Placement } from "../core/protocol";
+import { message, startOf, type Scene } from "../core/scene";
 
 export interface Game {
   placement: Placement;
@@ -60,20 +60,18 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
 
   /** The scene and placement of a request. */
   function asking() {
-    const scene = store.scene();
-    const placement = inWords(scene.world, toolsOf(scene), game.placement);
-    return { scene: message(scene), placement };
+    return { scene: message(store.scene()), placement: game.placement };
   }
 
   function askStart(): void {
     const of = turn;
     const body = { ...asking(), action: null };
-    const asked = connection.ask<StepAnswer>("step", body, (answer) => {
+    const asked = connection.ask("step", body, (answer) => {
       if (of !== turn || answer.progress !== undefined || answer.lost) return;
       asked.forget();
       game = {
         ...game,
-        placement: game.bits.length > 1 || !answer.placement ? game.placement : read(answer.placement),
+        placement: game.bits.length > 1 ? game.placement : (answer.placement ?? game.placement),
         bits: game.bits.with(0, answer.bits ?? null),
         equipped: game.bits.length > 1 ? game.equipped : (answer.equipped ?? false),
         attached: game.bits.length > 1 ? game.attached : (answer.attached ?? false),
@@ -90,7 +88,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     busy = true;
     const of = turn;
     const body = { ...asking(), action };
-    const asked = connection.ask<StepAnswer>("step", body, (answer) => {
+    const asked = connection.ask("step", body, (answer) => {
       if (of !== turn) return;
       if (answer.progress !== undefined) return;
       asked.forget();
@@ -101,7 +99,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
         if (!answer.lost) game = { ...game, error: answer.error };
       } else {
         game = {
-          placement: answer.placement ? read(answer.placement) : game.placement,
+          placement: answer.placement ?? game.placement,
           bits: [...game.bits, answer.bits ?? null],
           equipped: answer.equipped ?? false,
           attached: answer.attached ?? false,
@@ -112,11 +110,6 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
       onChange();
       next();
     });
-  }
-
-  function read(words: Words): Placement {
-    const scene = store.scene();
-    return placementOf(scene.world, toolsOf(scene), words);
   }
 
   function act(action: number): void {
@@ -133,7 +126,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
   function showPlan(onPlan: (steps: number | null) => void): void {
     if (game.ended) reset();
     const of = turn;
-    const asked = connection.ask<SolveAnswer>("solve", asking(), (answer) => {
+    const asked = connection.ask("solve", asking(), (answer) => {
       if (of !== turn || answer.progress !== undefined) return;
       asked.forget();
       if (answer.error !== undefined || answer.steps === null) {

@@ -3,7 +3,7 @@
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
 import type { Cell, Placement, RunAnswer } from "../core/protocol";
-import { cellOf, indexOf, inWords, placementOf } from "../core/scene";
+import { cellOf, indexOf } from "../core/scene";
 import { worldOf, type Standing, type World } from "../core/world";
 import { createBoard } from "../draw/board";
 import { same } from "../draw/cells";
@@ -63,9 +63,9 @@ export function createRun({ hello, connection, watched }: App): View {
     const body = {
       index: which,
       ...(name === undefined ? {} : { name }),
-      ...(elsewhere === null ? {} : { placement: inServerWords(elsewhere) }),
+      ...(elsewhere === null ? {} : { placement: elsewhere }),
     };
-    const asked = connection.ask<RunAnswer>("run", body, (next) => {
+    const asked = connection.ask("run", body, (next) => {
       if (next.progress !== undefined) return;
       asked.forget();
       full.classList.toggle("failed", next.error !== undefined && answer === null);
@@ -84,12 +84,7 @@ export function createRun({ hello, connection, watched }: App): View {
 
   /** The current placement, including drags. */
   function here(): Placement | null {
-    const words = answer?.episode?.placements[step];
-    return moved ?? (words ? placementOf(map, map.tools, words) : null);
-  }
-  /** In the server's format; after a drag, which tool is in hand follows from the placement. */
-  function inServerWords({ agent, tools, objects }: Placement) {
-    return inWords(map, map.tools, { agent, tools, objects });
+    return moved ?? answer?.episode?.placements[step] ?? null;
   }
 
   const last = () => (answer?.episode?.placements.length ?? 1) - 1;
@@ -148,7 +143,7 @@ export function createRun({ hello, connection, watched }: App): View {
       lines: curve ? [{ label: about.name, x: curve.x, y: curve.mean, low: curve.low, high: curve.high, kind: 0 }] : [],
       xLabel: "episodes",
       yLabel: "return",
-      level: answer.best_return === undefined ? null : { y: answer.best_return, label: "best possible" },
+      level: answer.best_return == null ? null : { y: answer.best_return, label: "best possible" },
       squeezed: true,
       yMost: 0,
       empty: "There is no curve yet.",

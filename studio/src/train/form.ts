@@ -2,7 +2,7 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
-import type { Offered, Settings } from "../core/protocol";
+import type { FirstSettings as Settings, Offered } from "../core/protocol";
 import { NO_TOOL, toolsOf, type Scene } from "../core/scene";
 import { namesOf, several, type World } from "../core/world";
 import { field, numberField, offer, select } from "../frame/widgets";

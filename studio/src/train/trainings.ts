@@ -3,7 +3,7 @@
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
 import type {
-  CurveData, Drawn, KeptTraining, Settings, TrainAnswer, TrainingsAnswer,
+  CurveAnswer, Drawn, FirstSettings as Settings, KeptTraining, LearningCurve,
 } from "../core/protocol";
 import { message, NO_TOOL } from "../core/scene";
 import { worldOf } from "../core/world";
@@ -18,7 +18,7 @@ export interface Training {
   config: Record<string, unknown>;
   /** The name of its folder. */
   name: string | null;
-  curve: CurveData | null;
+  curve: LearningCurve | null;
   share: number;
   steps: number;
   episodes: number;
@@ -91,7 +91,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     watched.show({ name: label, asked: name, runs, drawn, config });
   }
 
-  function take(training: Training, answer: TrainAnswer): void {
+  function take(training: Training, answer: CurveAnswer): void {
     training.curve = answer.curve ?? training.curve;
     training.steps = answer.steps ?? training.steps;
     training.episodes = answer.episodes ?? training.episodes;
@@ -109,7 +109,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     };
     trainings.push(training);
     draw(training);
-    asked = connection.ask<TrainAnswer>("train", { scene, settings }, (answer) => {
+    asked = connection.ask("train", { scene, settings }, (answer) => {
       training.name = answer.name ?? training.name;
       take(training, answer);
       training.share = answer.share ?? answer.progress ?? training.share;
@@ -130,7 +130,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
 
   function list(): void {
     listing?.forget();
-    listing = connection.ask<TrainingsAnswer>("trainings", {}, (answer) => {
+    listing = connection.ask("trainings", {}, (answer) => {
       if (answer.lost) return;
       fault = answer.error ?? "";
       if (answer.names) arrange(answer.names, answer.left_out ?? 0);
@@ -179,7 +179,7 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     const next = trainings.find(({ own, line, curve, error }) => !own && line !== null && curve === null && error === null);
     if (next === undefined || reading !== null) return;
     reading = next;
-    const asked = connection.ask<TrainAnswer>("curve", { name: next.name }, (answer) => {
+    const asked = connection.ask("curve", { name: next.name! }, (answer) => {
       asked.forget();
       reading = null;
       if (answer.lost) return;

@@ -1,0 +1,97 @@
+"""The server's greeting."""
+
+from typing import Annotated, Any
+
+from msgspec import Meta, Struct
+
+from habilis.studio.protocol.scenes import Drawn
+
+Drawing = Annotated[
+    list[tuple[str, str]],
+    Meta(
+        title="Drawing",
+        description="Path and colour of each part, in a unit cell, from back to front.",
+    ),
+]
+
+
+class TrainingLimits(Struct, frozen=True):
+    """The largest values of a training."""
+
+    runs: int
+    episodes: int
+    seed: int
+    placements: int
+    at_once: Annotated[int, Meta(description="trainings in parallel")]
+    waiting: Annotated[int, Meta(description="trainings that wait for that")]
+
+
+class Limits(Struct, frozen=True):
+    """The limits that a page has to know."""
+
+    side: Annotated[
+        tuple[int, int], Meta(description="the fewest and the most rows, and columns, of a map")
+    ]
+    things: Annotated[int, Meta(description="tools of a map, and objects")]
+    horizon: int
+    slip: float
+    tool_slip: float
+    message: Annotated[int, Meta(description="characters")]
+    training: TrainingLimits
+
+
+class FirstSettings(Struct, frozen=True):
+    """The settings that a page shows first."""
+
+    intrinsic: str
+    horizon: int
+    beta: float
+    runs: int
+    seed: int
+    algorithm: str
+    episodes: int
+
+
+class Offered(Struct, frozen=True):
+    """The choices of a training, with labels."""
+
+    intrinsic: dict[str, str]
+    algorithms: dict[str, str]
+    without_horizon: Annotated[
+        list[str], Meta(description="the intrinsic rewards that have no horizon")
+    ]
+    first: FirstSettings
+
+
+class RunAbout(Struct, frozen=True):
+    """A trained run that can be watched."""
+
+    name: str
+    runs: int
+    drawn: Drawn
+    config: dict[str, Any]
+
+
+class Hello(Struct, frozen=True):
+    """The studio and its choices."""
+
+    version: str
+    worlds: dict[str, Drawn]
+    tools: Annotated[list[str], Meta(description="all kinds, and none")]
+    objects: Annotated[list[str], Meta(description="all kinds")]
+    actions: Annotated[list[str], Meta(description="their names, by index")]
+    limits: Limits
+    training: Offered
+    shapes: dict[str, Drawing]
+    run: Annotated[
+        RunAbout | None, Meta(description="of the folder that the studio was started with")
+    ]
+    kept: Annotated[
+        str | None, Meta(description="the folder in which trainings outlive the studio")
+    ]
+
+
+class Greeting(Struct, frozen=True):
+    """The first message."""
+
+    hello: Hello
