@@ -7,6 +7,7 @@ from urllib.parse import urlsplit
 import pytest
 from websockets.exceptions import InvalidStatus
 
+from habilis.studio.proxied import base_path, origins
 from habilis.studio.security import Access, is_loopback
 from studio import page, studio
 
@@ -127,3 +128,83 @@ def test_what_others_can_reach_is_not_loopback(host):
 def test_paths_do_not_lead_out_of_the_page(address):
     for path in ("/assets/../server.py", "/assets/%2e%2e/server.py", "//etc/passwd", "/server.py"):
         assert get(address, path)[0] == 404
+
+
+HUB = "https://hub.example"
+
+
+@pytest.fixture(scope="module")
+def behind():
+    with studio("--base-path", "/user/x/{port}", "--trusted-origin", f"{HUB}:443/") as address:
+        yield address
+
+
+def test_behind_a_proxy_the_address_is_the_proxys_and_has_a_token(behind):
+    parts = urlsplit(behind)
+    assert behind.startswith(f"{HUB}/user/x/")
+    assert parts.path == f"/user/x/{parts.path.split('/')[-2]}/"
+    assert len(parts.query) > 30
+
+
+def test_a_proxy_may_remove_the_path_and_replace_the_name(behind):
+    parts = urlsplit(behind)
+    port = parts.path.split("/")[-2]
+    local = f"http://127.0.0.1:{port}/"
+    page_of = f"?{parts.query}"
+    for path in ("/", parts.path):
+        for host in (None, "hub.example", "hub.example:443"):
+            for origin in ({}, {"Origin": HUB}):
+                assert get(local, path + page_of, host, **origin)[0] == 200
+            assert get(local, path, host)[0] == 403
+            for origin in ("http://hub.example", "https://evil.example", f"{HUB}:8443"):
+                assert get(local, path + page_of, host, Origin=origin)[0] == 403
+        for host in ("evil.example", "hub.example:8443", "hub.example.evil.example", "127.0.0.1"):
+            assert get(local, path + page_of, host)[0] == 403
+        assert get(local, f"{path}assets/studio.css")[0] == 200
+    own = local.rstrip("/")
+    assert get(local, f"/{page_of}", Origin=own)[0] == 200
+    assert get(local, f"/{page_of}", "hub.example", Origin="http://hub.example")[0] == 403
+    status, _, headers = get(local, parts.path.rstrip("/") + page_of)
+    assert (status, headers["location"]) == (307, parts.path + page_of)
+    assert get(local, parts.path.rstrip("/"))[0] == 403
+    policy = get(local, f"/{page_of}")[2]["content-security-policy"]
+    assert "wss://hub.example" in policy
+    policy = get(local, f"/{page_of}&embedded=1")[2]["content-security-policy"]
+    assert "frame-ancestors 'none'" in policy
+
+
+@pytest.mark.parametrize(
+    "path", ["x", "//evil.example/", "/a/../b/", "/a b/", "/a?x=1", "/a#b", "/%zz/", "/./", "/a\n/"]
+)
+def test_what_is_no_path_is_refused(path):
+    with pytest.raises(ValueError, match=r"base path is .*; give the path at which the proxy"):
+        base_path(path, 1)
+
+
+@pytest.mark.parametrize(
+    "origin",
+    [
+        *("hub.example", "ftp://hub.example", "https://", "https://hub.example/user/", "*", "null"),
+        *("https://x@hub.example", "https://hub.example:x", "https://*.example", "https://[::1"),
+        *("https://hub.example?x", "https://hub.example;script-src *", "https://hub.example:443:1"),
+    ],
+)
+def test_what_is_no_origin_is_refused(origin):
+    with pytest.raises(ValueError, match=r"trusted origin is .*; give scheme, host and port alone"):
+        origins([origin])
+
+
+def test_origins_are_as_browsers_send_them():
+    assert origins(["HTTP://Hub.Example:80", "http://hub.example/", "https://[::1]:8443"]) == (
+        "http://hub.example",
+        "https://[::1]:8443",
+    )
+    assert base_path("/", 1) == "/"
+    assert base_path("/user/x%40y/{port}", 8765) == "/user/x%40y/8765/"
+
+
+def test_only_an_embedded_page_may_be_framed_and_by_notebooks_alone():
+    access = Access.of("127.0.0.1", 1, framed=True)
+    assert access.token is not None
+    assert Access.of("127.0.0.1", 1).token is None
+    assert Access.of("127.0.0.1", 1, trusted=[HUB]).token is not None

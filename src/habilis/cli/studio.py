@@ -31,6 +31,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     kept = "folder for runs trained from the page (default: deleted when the studio ends)"
     parser.add_argument("--out", type=Path, metavar="DIR", help=kept)
     parser.set_defaults(writes={"out": FOLDER})
+    base = "path at which a proxy serves the studio, such as /user/x/proxy/{port}/"
+    parser.add_argument("--base-path", default="/", metavar="PATH", help=base)
+    origin = "origin of that proxy, such as https://hub.example.org; repeatable"
+    parser.add_argument(
+        "--trusted-origin", action="append", default=[], dest="origins", metavar="URL", help=origin
+    )
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
 
 
@@ -38,7 +44,8 @@ def run(args: Args) -> int:
     server = import_from("habilis.studio.server", "studio")
     with tempfile.TemporaryDirectory(prefix="habilis-studio-", ignore_cleanup_errors=True) as place:
         made, found = server.opened(
-            args.host, args.port, Path(place), tuple(args.tools), args.run, args.out
+            *(args.host, args.port, Path(place), tuple(args.tools), args.run, args.out),
+            *(args.base_path, args.origins),
         )
         address = made.access.address(args.host)
         if args.json:

@@ -4,6 +4,9 @@ Any page open in a browser can send requests to loopback addresses on the user's
 headers that pages cannot choose reveal it: `Origin`, the page that sent the request, and `Host`,
 the name by which it found the server (an attacker's name that resolves to our address is DNS
 rebinding).
+
+Behind a proxy, both may be the proxy's: only the origins that the user trusts are accepted. Others
+can reach the proxy, so that a studio behind one always has a token.
 """
 
 import hmac
@@ -12,13 +15,24 @@ import secrets
 import socket
 from collections.abc import Iterable
 from dataclasses import dataclass
-from urllib.parse import parse_qs, urlsplit
+from functools import cached_property
+from urllib.parse import parse_qs, quote, unquote, urlsplit
 
 from starlette.datastructures import Headers
-from starlette.responses import PlainTextResponse
+from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from habilis.studio.proxied import base_path, hosts, origins, websocket
+
 TOKEN = "token"
+EMBEDDED = "embedded"
+"""The field of the address of a page that is in a frame."""
+# Pages that may frame an embedded studio besides trusted origins: Jupyter on this machine, and
+# VS Code. Nobody else knows its token, without which there is nothing to frame.
+_NOTEBOOKS = (
+    "'self' http://localhost:* http://127.0.0.1:* https://localhost:* https://127.0.0.1:* "
+    "vscode-webview: vscode-file:"
+)
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _REFUSED = 1008  # a WebSocket's close code: policy violation
 
@@ -32,30 +46,79 @@ class Access:
         any_address: whether they may also use any IP address (which cannot be rebound).
         port: the only port.
         token: the token that requests must have; `None` if only this machine can reach the server.
+        base: the path of the page, with a slash at both ends; a proxy may remove it.
+        origins: those of proxies that serve the studio.
+        framed: whether the page may be in a frame of a notebook, if it is asked for as such.
     """
 
     names: frozenset[str]
     any_address: bool
     port: int
     token: str | None
+    base: str = "/"
+    origins: tuple[str, ...] = ()
+    framed: bool = False
 
     @classmethod
-    def of(cls, host: str, port: int) -> "Access":
-        """The rules of a server on an address: with a token, unless it is a loopback address."""
-        if is_loopback(host):
-            return cls(frozenset({*_LOOPBACK, host.lower()}), False, port, None)
-        names = {*_LOOPBACK, host.lower(), socket.gethostname().lower(), socket.getfqdn().lower()}
-        return cls(frozenset(names), _is_wildcard(host), port, secrets.token_urlsafe(24))
+    def of(
+        cls,
+        host: str,
+        port: int,
+        base: str = "/",
+        trusted: Iterable[str] = (),
+        *,
+        framed: bool = False,
+    ) -> "Access":
+        """The rules of a server on an address.
+
+        It has a token, unless only this machine can reach it.
+
+        Args:
+            host, port: the address.
+            base: the path at which a proxy serves it, as in `base_path`.
+            trusted: the origins of proxies.
+            framed: as above.
+
+        Raises:
+            ValueError: the path or an origin is none.
+        """
+        known = origins(trusted)
+        alone = is_loopback(host) and not known and not framed
+        names = {*_LOOPBACK, host.lower()}
+        if not is_loopback(host):
+            names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
+        return cls(
+            names=frozenset(names),
+            any_address=not is_loopback(host) and _is_wildcard(host),
+            port=port,
+            token=None if alone else secrets.token_urlsafe(24),
+            base=base_path(base, port),
+            origins=known,
+            framed=framed,
+        )
 
     def address(self, host: str) -> str:
-        """The address to open in a browser, including the token."""
+        """The address to open in a browser, including the token: that of the proxy, if any."""
         name = socket.gethostname() if _is_wildcard(host) else host
         name = f"[{name}]" if ":" in name else name
+        origin = self.origins[0] if self.origins else f"http://{name}:{self.port}"
         token = "" if self.token is None else f"?{TOKEN}={self.token}"
-        return f"http://{name}:{self.port}/{token}"
+        return f"{origin}{self.base}{token}"
+
+    def inside(self, path: str) -> str:
+        """A path without the base, which a proxy may have removed already."""
+        base = unquote(self.base)
+        return path[len(base) - 1 :] if path.startswith(base) else path
 
     def knows(self, host: str | None) -> bool:
-        """Whether a `Host` header names this server."""
+        """Whether a `Host` header names this server, or a proxy that serves it."""
+        return self._is_own(host) or host in self._proxies
+
+    @cached_property
+    def _proxies(self) -> frozenset[str]:
+        return frozenset(host for origin in self.origins for host in hosts(origin))
+
+    def _is_own(self, host: str | None) -> bool:
         try:
             parts = urlsplit(f"//{host}")
             name, port = parts.hostname, parts.port or 80
@@ -83,8 +146,8 @@ class Access:
         if len(headers.getlist("host")) != 1 or not self.knows(headers["host"]):
             return "this is not the studio's address; open the one that it printed"
         for origin in headers.getlist("origin"):
-            scheme, _, host = origin.partition("://")
-            if scheme != "http" or host != headers["host"]:
+            own = origin == f"http://{headers['host']}" and self._is_own(headers["host"])
+            if not own and origin not in self.origins:
                 return "a page of another origin may not use the studio; open the studio's own page"
         if self.token is None or open_to_all:
             return None
@@ -105,21 +168,31 @@ class Guard:
             await self.app(scope, receive, send)
             return
         headers = Headers(scope=scope)
-        open_to_all = scope["type"] == "http" and scope["path"].startswith(self.open_paths)
+        path = self.access.inside(scope["path"])
+        open_to_all = scope["type"] == "http" and path.startswith(self.open_paths)
         query = scope["query_string"].decode("latin-1")
         try:
             why = self.access.refusal(headers, query, open_to_all)
         except ValueError as error:
             why = str(error)
         if why is None and scope["type"] == "http":
-            await self.app(scope, receive, _careful(send, headers["host"]))
+            careful = _careful(send, self.access, headers["host"], query)
+            if f"{path}/" == unquote(self.access.base) != "/":  # relative addresses need the slash
+                to = f"{self.access.base}?{query}" if query else self.access.base
+                await RedirectResponse(to)(scope, receive, careful)
+                return
+            await self.app(_at(scope, path), receive, careful)
         elif why is None:
-            await self.app(scope, receive, send)
+            await self.app(_at(scope, path), receive, send)
         elif scope["type"] == "http":
             await PlainTextResponse(f"{why}\n", 403)(scope, receive, send)
         else:
             await receive()
             await send({"type": "websocket.close", "code": _REFUSED, "reason": why})
+
+
+def _at(scope: Scope, path: str) -> Scope:
+    return {**scope, "path": path, "raw_path": quote(path).encode()}
 
 
 def is_loopback(host: str) -> bool:
@@ -142,12 +215,15 @@ def _is_address(host: str) -> bool:
     return True
 
 
-def _careful(send: Send, host: str) -> Send:
-    """Adds the headers that restrict the page to its own host."""
+def _careful(send: Send, access: Access, host: str, query: str) -> Send:
+    """Adds the headers that restrict the page to its own host, and what may frame it."""
+    sockets = " ".join([f"ws://{host}", *map(websocket, access.origins)])
+    framed = access.framed and parse_qs(query, max_num_fields=20).get(EMBEDDED) == ["1"]
+    frames = " ".join([_NOTEBOOKS, *access.origins]) if framed else "'none'"
     policy = (
         "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-        f"connect-src 'self' ws://{host}; object-src 'none'; base-uri 'none'; form-action 'none'; "
-        "frame-ancestors 'none'"
+        f"connect-src 'self' {sockets}; object-src 'none'; base-uri 'none'; form-action 'none'; "
+        f"frame-ancestors {frames}"
     )
     added = {
         "content-security-policy": policy,

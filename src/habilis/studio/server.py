@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import socket
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -199,6 +199,10 @@ def opened(
     tools: tuple[str, ...] = (),
     run: Path | None = None,
     kept: Path | None = None,
+    base: str = "/",
+    trusted: Sequence[str] = (),
+    *,
+    framed: bool = False,
 ) -> tuple[Studio, socket.socket]:
     """A studio on an address, ready to be served.
 
@@ -208,10 +212,12 @@ def opened(
         tools: names of custom tools.
         run: the folder of a trained run to show.
         kept: the folder in which to keep trainings instead.
+        base, trusted, framed: the path and the origins of a proxy, and whether a notebook may
+            frame the page; as in `Access.of`.
 
     Raises:
         ValueError: the address does not belong to this machine, a tool or run does not exist, a
-            tool is given twice, or `kept` is not writable.
+            tool is given twice, `kept` is not writable, or the path or an origin is none.
     """
     for place, name in enumerate(tools):
         tool_named(name)  # raises if it is not a valid tool
@@ -224,8 +230,9 @@ def opened(
         check_installed("learn")
         check_folder(kept)
         kept = kept.absolute()
+    Access.of(host, port, base, trusted)  # raises if path or origins are none
     found = listening(host, port)
-    access = Access.of(host, found.getsockname()[1])
+    access = Access.of(host, found.getsockname()[1], base, trusted, framed=framed)
     return Studio(access, Pools.made(), Trainings(kept or folder), tools, run, shown, kept), found
 
 

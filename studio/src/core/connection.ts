@@ -40,8 +40,9 @@ export function connect(
 
   function open(): void {
     onStatus("connecting");
-    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-    socket = new WebSocket(`${scheme}//${location.host}/ws${location.search}`);
+    const address = new URL(`ws${location.search}`, location.href); // a proxy may serve the page at any path
+    address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+    socket = new WebSocket(address);
     socket.onmessage = (event) => receive(JSON.parse(String(event.data)));
     socket.onclose = () => {
       onStatus("lost");
