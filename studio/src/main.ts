@@ -21,6 +21,7 @@ import "./style/controls.css";
 import "./style/pictures.css";
 import "./style/views.css";
 import "./style/portrait.css";
+import "./style/phone.css";
 
 const VIEWS = ["design", "play", "train", "run"];
 const MOST_FAULTS = 5; // of a link, reported in a line
@@ -66,6 +67,7 @@ function start(hello: Hello): void {
   let opening = true;
   report(opened, hello.run ? "the world of the run" : `the built-in world ${firstWorld(hello)}`);
   frame.open(opened.shown?.view ?? (hello.run ? "run" : "design"));
+  frame.offerTour();
   store.watch(() => (opening ? keepAddress() : letGo()));
   opening = false;
   addEventListener("hashchange", () => {

@@ -28,12 +28,12 @@ STUCK = 300_000
 """Milliseconds after which what has not come is not going to."""
 
 WORLD, LANDSCAPE = "#world-board", "#landscape-board"
-_BITS = re.compile(r"row (\d+), column (\d+): (\S+) bits")
+_BITS = re.compile(r"row (\d+), column (\d+): (?:.*, )?(\S+) bits")
 
 
 @contextmanager
 def served(*arguments: str) -> Iterator[str]:
-    """A studio of its own; yields its address."""
+    """A studio of its own; yields its address, without the tour of a first visit."""
     command = [sys.executable, "-m", "habilis", "studio", "--no-browser", "--json"]
     environment = os.environ | {"PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(
@@ -41,9 +41,14 @@ def served(*arguments: str) -> Iterator[str]:
     ) as process:
         try:
             assert process.stdout is not None
-            yield json.loads(process.stdout.readline())["address"]
+            yield without_tour(json.loads(process.stdout.readline())["address"])
         finally:
             process.terminate()
+
+
+def without_tour(address: str) -> str:
+    """The address of a page that does not offer the tour."""
+    return f"{address}{'&' if '?' in address else '?'}tour=0"
 
 
 def settled(page: Page) -> None:
@@ -54,7 +59,8 @@ def settled(page: Page) -> None:
 def middle(page: Page, board: str, cell: Cell) -> tuple[float, float]:
     """Where on the screen the middle of a cell is."""
     row, column = cell
-    box = page.locator(f"{board}-{row}-{column}").bounding_box()
+    place = page.locator(f"{board}-{row}-{column}")
+    box = place.bounding_box() or place.bounding_box()  # none if it has just been drawn anew
     assert box is not None
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 

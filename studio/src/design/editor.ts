@@ -4,11 +4,11 @@ import type { App } from "../core/app";
 import type { Cell } from "../core/protocol";
 import { fitted, indexOf, startOf, toolsOf, type Scene } from "../core/scene";
 import {
-  cellOfThing, moved, namesOf, thingAt, toolsAside, without, withWall, type Standing, type World,
+  cellOfThing, moved, thingAt, toolsAside, without, withWall, type Standing, type World,
 } from "../core/world";
 import { createBoard, type Board } from "../draw/board";
 import { letDrag, type Hold } from "../draw/dragging";
-import { stood } from "../draw/things";
+import { contentOf, rowColumn, stood } from "../draw/things";
 
 const KEYS: Record<string, Standing["what"]> = { a: "agent", t: "tool", c: "object", b: "goal" };
 export const ARROWS: Record<string, Cell> = {
@@ -91,33 +91,18 @@ export function createEditor({ store }: App): Board {
 
   store.watch((scene) => {
     const { world } = scene;
+    const things = stood(world, toolsOf(scene), startOf(scene));
     board.draw({
       world,
-      things: stood(world, toolsOf(scene), startOf(scene)),
-      label: (cell) => `${rowColumn(cell)}: ${contentOf(scene, indexOf(world, cell))}`,
+      things,
+      label: (cell) => `${rowColumn(cell)}: ${contentOf(world, things, cell)}`,
     });
   });
   return board;
-}
-
-/** The name of a cell. Rows and columns are counted from 0, as in the library. */
-export function rowColumn([row, column]: Cell): string {
-  return `row ${row}, column ${column}`;
 }
 
 /** The visible thing in a cell: tools are hidden if the agent uses none. */
 function seenAt({ world, bare }: Scene, cell: number): Standing | null {
   const thing = thingAt(world, cell);
   return bare && thing?.what === "tool" ? null : thing;
-}
-
-function contentOf(scene: Scene, cell: number): string {
-  const { world } = scene;
-  const there = seenAt(scene, cell);
-  if (there === null) return world.walls[cell] ? "wall" : "floor";
-  if (there.what === "agent") return "agent";
-  const name = namesOf(there.what === "tool" ? world.tools : world.objects)[there.of]!;
-  const several = world.objects.length > 1;
-  if (there.what === "goal") return several ? `bin of the ${name}` : "bin";
-  return there.what === "tool" && world.tools.length === 1 ? "tool" : name;
 }

@@ -9,11 +9,11 @@ import { cellOf, indexOf, message, objectOf, startOf, toolsOf, type Scene } from
 import { namesOf } from "../core/world";
 import { createBoard, type Mark } from "../draw/board";
 import { letDrag } from "../draw/dragging";
-import { stood } from "../draw/things";
+import { labelOf, rowColumn, stood } from "../draw/things";
 import { same } from "../draw/cells";
 import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
-import { ARROWS, rowColumn } from "./editor";
+import { ARROWS } from "./editor";
 
 const HOVER_WAIT = 40;
 const HINT = "Point at a cell to see which futures are reachable from it.";
@@ -37,7 +37,7 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
   const board = createBoard("The landscape: bits for every cell of the agent", "landscape-board");
   const { picture } = board;
   const caption = h("p", { class: "caption", id: "caption", "aria-live": "polite" }, HINT);
-  const scale = createScaleBar("bits", 2);
+  const scale = createScaleBar("bits");
   const progress = h("div", { class: "progress", role: "progressbar", "aria-label": "computing" });
   const fault = h("p", { class: "fault", role: "alert", id: "fault" });
 
@@ -55,16 +55,14 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     const fits = of?.world.height === world.height && of.world.width === world.width;
     const grid = landscape && fits ? landscape : null;
     picture.classList.toggle("choosing", choosing());
+    const things = stood(world, toolsOf(scene), hovered && marks ? { ...start, agent: hovered } : start);
     board.draw({
       world,
-      things: stood(world, toolsOf(scene), hovered && marks ? { ...start, agent: hovered } : start),
+      things,
       values: grid && { grid, scale: scaleOf(least, most) },
       chosen: scene.sensor === "cells" ? scene.cells.map((cell) => cellOf(world, cell)) : [],
       marks,
-      label: ([row, column]) => {
-        const bits = grid?.[row]?.[column] ?? null;
-        return `${rowColumn([row, column])}: ${bits === null ? "no value" : `${bits.toFixed(2)} bits`}`;
-      },
+      label: (cell) => labelOf(world, things, cell, grid, "bits"),
     });
   }
 

@@ -2,14 +2,19 @@
 
 import { h, set, svg } from "../core/elements";
 import type { Cell } from "../core/protocol";
+import { cellOf } from "../core/scene";
 import type { World } from "../core/world";
 import { movesOf, roseOf } from "./arrows";
 import { box, clamp, corner, everyCell, redraw, same, square, UNIT } from "./cells";
-import { colourOf, inkOn, type Scale } from "./colours";
+import { colourOf, inDigits, inkOn, type Scale } from "./colours";
 import { use } from "./shapes";
 import type { Stood } from "./things";
 
-const READABLE = 29; // pixels per cell from which its value is legible
+const LEGIBLE = 11; // pixels: the letters of values
+const FONT = 32; // units: those letters where cells are large
+const TOLERATED = 1.15; // how much smaller than that they may still be
+const LARGEST = 46; // units: those letters where cells are small
+const ACROSS = 165; // units: so many letters fit side by side, times their size
 
 export interface Mark {
   cell: Cell;
@@ -115,16 +120,23 @@ export function createBoard(name: string, id: string, moving = false): Board {
           : box("value", cell, 1, ` fill="${colourOf(bits, values.scale)}"`);
       }),
     );
-    const small = values.unlabelled || picture.clientWidth / next.world.width < READABLE;
+    const { digits } = values.scale;
+    const needed = (UNIT * LEGIBLE) / (picture.clientWidth / next.world.width);
+    const all = next.world.walls.map((_, cell) => value(cellOf(next.world, cell)));
+    const longest = Math.max(...all.map((bits) => (bits === null ? 0 : inDigits(bits, digits).length)));
+    const fitting = Math.min(LARGEST, ACROSS / longest);
+    const letters = Math.min(Math.max(needed, FONT), fitting);
+    const small = values.unlabelled || needed > letters * TOLERATED;
+    labels.style.fontSize = `${letters}px`;
     redraw(
       labels,
       everyCell(next.world, (cell) => {
         const bits = value(cell);
         if (bits === null || small) return "";
         const [x, y] = corner(cell);
-        const [kind, below] = isThing(next, cell) ? ["small", 80] : ["", 51];
+        const [kind, below] = isThing(next, cell) ? ["small", 81] : ["", 51];
         const look = `class="${kind}" fill="${inkOn(bits, values.scale)}"`;
-        return `<text x="${x + 50}" y="${y + below}" ${look}>${bits.toFixed(1).replace("-", "−")}</text>`;
+        return `<text x="${x + 50}" y="${y + below}" ${look}>${inDigits(bits, digits)}</text>`;
       }),
     );
   }

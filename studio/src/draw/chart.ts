@@ -46,10 +46,19 @@ export function createChart(name: string, id: string): Chart {
     if (!width || !height) return;
     picture.setAttribute("viewBox", `0 0 ${width} ${height}`);
     picture.innerHTML = markup(data, width, height);
+    picture.setAttribute("aria-label", [name, ...data.lines.map(inWords)].join(". "));
   }
 
   new ResizeObserver(() => shown && draw(shown)).observe(element);
   return { element, draw };
+}
+
+/** A line in words, for those who hear it. */
+function inWords({ label, x, y }: Line): string {
+  if (!x.length) return `${label}: no values yet`;
+  const [last, at] = [shortly(Number(y.at(-1)!.toPrecision(3))), shortly(x.at(-1)!)];
+  const [least, most] = [Math.min(...y), Math.max(...y)].map((end) => shortly(Number(end.toPrecision(3))));
+  return `${label}: ${last} at ${at}, between ${least} and ${most} before`;
 }
 
 function markup(data: ChartData, width: number, height: number): string {
@@ -82,7 +91,7 @@ function markup(data: ChartData, width: number, height: number): string {
   }
   parts.push(
     `<text class="axis" x="${(LEFT + width - RIGHT) / 2}" y="${height - 4}" text-anchor="middle">${escaped(data.xLabel)}</text>`,
-    `<text class="axis" transform="translate(13 ${(TOP + height - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">${escaped(data.yLabel)}</text>`,
+    `<text class="axis" transform="translate(13 ${(TOP + height - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">${escaped(data.squeezed ? `${data.yLabel}, log scale` : data.yLabel)}</text>`,
   );
   if (data.level) {
     const y = py(data.level.y);

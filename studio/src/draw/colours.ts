@@ -9,11 +9,24 @@ const HALFWAY = 0.179; // the luminance at which black and white have equal cont
 export interface Scale {
   readonly low: number;
   readonly high: number;
+  /** Decimals of its values. */
+  readonly digits: number;
 }
 
 /** The two ends of a colour scale; a single value becomes its lower end. */
 export function scaleOf(least: number, most: number): Scale {
-  return { low: least, high: most > least ? most : least + 1 };
+  return { low: least, high: most > least ? most : least + 1, digits: digitsOf(least, most) };
+}
+
+/** The decimals that tell the values of a scale apart: more on a shorter one. */
+export function digitsOf(least: number, most: number): 1 | 2 | 3 {
+  const length = most - least;
+  if (length >= 1 || length < 1e-9) return 1;
+  return length >= 0.1 ? 2 : 3;
+}
+
+export function inDigits(value: number, digits: number): string {
+  return value.toFixed(digits).replace("-", "−");
 }
 
 export function colourOf(value: number, { low, high }: Scale): string {

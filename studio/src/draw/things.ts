@@ -1,8 +1,8 @@
 /** The things on a board: the agent, tools, objects and their bins. */
 
-import type { Cell, Placement } from "../core/protocol";
-import type { Standing, Tool, World } from "../core/world";
-import { cellOf } from "../core/scene";
+import type { Cell, Grid, Placement } from "../core/protocol";
+import { namesOf, type Standing, type Tool, type World } from "../core/world";
+import { cellOf, indexOf } from "../core/scene";
 import { same } from "./cells";
 import { drawingOf } from "./shapes";
 
@@ -44,6 +44,36 @@ export function stood(world: World, tools: readonly Tool[], placement: Placement
   });
   found.push({ ...plain, thing: { what: "agent", of: 0 }, cell: placement.agent, drawing: "agent" });
   return found;
+}
+
+/** The contents of a cell in words: its things, or wall or floor. */
+export function contentOf(world: World, things: readonly Stood[], cell: Cell): string {
+  const there = things.filter((one) => same(one.cell, cell)).map(({ thing, drawing }) => {
+    if (thing.what === "agent") return "agent";
+    if (thing.what === "tool") return namesOf(world.tools)[thing.of]!;
+    const name = namesOf(world.objects)[thing.of]!;
+    if (thing.what === "object") return name;
+    const bin = world.objects.length > 1 ? `bin of the ${name}` : "bin";
+    return drawing === "full bin" ? `${name} in its ${bin}` : bin;
+  });
+  if (there.length) return there.join(", ");
+  return world.walls[indexOf(world, cell)] ? "wall" : "floor";
+}
+
+/** A cell, its contents, and its value. */
+export function labelOf(
+  world: World, things: readonly Stood[], cell: Cell, grid: Grid | null | undefined, unit: string,
+): string {
+  const content = contentOf(world, things, cell);
+  const value = grid?.[cell[0]]?.[cell[1]] ?? null;
+  const words = content === "floor" && value !== null ? [] : [content];
+  if (value !== null) words.push(`${value.toFixed(2)} ${unit}`);
+  return `${rowColumn(cell)}: ${words.join(", ")}`;
+}
+
+/** The name of a cell. Rows and columns are counted from 0, as in the library. */
+export function rowColumn([row, column]: Cell): string {
+  return `row ${row}, column ${column}`;
 }
 
 /** A tool in hand faces away from the agent; drawings face south. */

@@ -5,12 +5,15 @@ import type { Status } from "../core/connection";
 import { h, set } from "../core/elements";
 import { openHelp } from "./help";
 import { createThemeSwitch } from "./theme";
+import { createTour } from "./tour";
 import { iconButton, notice } from "./widgets";
 
 export interface Frame {
   readonly element: HTMLElement;
   view(): string;
   open(view: string): void;
+  /** Shows the tour on a first visit. */
+  offerTour(): void;
   showStatus(status: Status): void;
   /** A line below the tabs about the opened link; null removes it. */
   showLink(words: string | null): void;
@@ -32,12 +35,15 @@ const STATUS: Record<Status, string> = {
 };
 
 export function createFrame(
-  { hello, store }: App,
+  app: App,
   views: Record<string, View>,
   onView: () => void,
   link: Link,
 ): Frame {
+  const { hello, store } = app;
   const names = Object.keys(views);
+  const tour = createTour(app, () => open("design"));
+  const help = () => openHelp(hello, tour.begin);
   let current = "";
   const tabs = names.map((name) =>
     h(
@@ -103,7 +109,7 @@ export function createFrame(
       else store.undo();
       event.preventDefault();
     } else if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
-    else if (event.key === "?") openHelp(hello);
+    else if (event.key === "?") help();
     else if (/^[1-4]$/.test(event.key) && !target.closest("input, select")) {
       open(names[Number(event.key) - 1]!);
     }
@@ -139,16 +145,18 @@ export function createFrame(
         { class: "icons" },
         iconButton("link", "Copy a link to this page", share, "share"),
         createThemeSwitch(),
-        iconButton("help", "What is this? (?)", () => openHelp(hello), "help"),
+        iconButton("help", "What is this? (?)", help, "help"),
       ),
     ),
     banner,
+    tour.element,
     h("main", {}, ...panels),
   );
   return {
     element,
     view: () => current,
     open,
+    offerTour: () => tour.offer(current),
     showStatus(status) {
       line.textContent = STATUS[status];
       line.hidden = status === "open";

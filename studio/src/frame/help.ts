@@ -3,6 +3,7 @@
 import { h } from "../core/elements";
 import type { Hello } from "../core/protocol";
 import { openDialog } from "./dialog";
+import { button } from "./widgets";
 
 const KEYS: [string, string][] = [
   ["1 2 3 4", "Design, Play, Train, Run"],
@@ -19,8 +20,8 @@ const KEYS: [string, string][] = [
   ["R", "restart"],
 ];
 
-export function openHelp({ limits, version }: Hello): void {
-  openDialog(
+export function openHelp({ limits, version }: Hello, beginTour: () => void): void {
+  const close = openDialog(
     "What is this?",
     h(
       "p",
@@ -36,6 +37,7 @@ export function openHelp({ limits, version }: Hello): void {
       h("em", {}, "to the can"),
       ". Where it is 0, the agent cannot affect the can. A good tool raises it; a bad one gets in the way. Draw walls and drag things to explore.",
     ),
+    button("Take the one-minute tour", () => (close(), beginTour()), { id: "tour-again", kind: "small" }),
     h(
       "dl",
       { class: "keys" },

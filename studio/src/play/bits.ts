@@ -23,7 +23,7 @@ export interface Bits {
 }
 
 export function createBits({ connection, store }: App, onChange: () => void): Bits {
-  const scale = createScaleBar("bits if the agent stood there", 2);
+  const scale = createScaleBar("bits if the agent stood there");
   const shown = toggle("Bits", "bits-layer", onChange);
   let answer: Heard<"landscape"> | null = null;
   let asked: Asked | null = null;

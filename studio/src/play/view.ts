@@ -7,9 +7,9 @@ import { namesOf } from "../core/world";
 import { createBoard } from "../draw/board";
 import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
-import { stood } from "../draw/things";
+import { labelOf, stood } from "../draw/things";
 import { button, card, notice, rename } from "../frame/widgets";
-import { ARROWS, rowColumn } from "../design/editor";
+import { ARROWS } from "../design/editor";
 import { createBits } from "./bits";
 import { createPlayer } from "./game";
 
@@ -85,11 +85,11 @@ export function createPlay(app: App): View {
     const { world } = scene;
     const tools = toolsOf(scene);
     const { placement, bits, equipped, attached, ended, error } = player.game();
+    const things = stood(world, tools, placement);
+    const values = active ? layer.under(placement) : null;
     board.draw({
-      world,
-      things: stood(world, tools, placement),
-      values: active ? layer.under(placement) : null,
-      label: rowColumn,
+      world, things, values,
+      label: (cell) => labelOf(world, things, cell, values?.grid, "bits"),
     });
     board.picture.classList.toggle("waiting", layer.late());
     const steps = bits.length - 1;

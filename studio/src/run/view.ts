@@ -9,13 +9,15 @@ import { createBoard } from "../draw/board";
 import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
 import { letDrag } from "../draw/dragging";
-import { stood } from "../draw/things";
+import { labelOf, stood, type Stood } from "../draw/things";
 import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
-import { rowColumn } from "../design/editor";
 import { button, card, rename, segmented, select, slider } from "../frame/widgets";
 
 const PACE = 420;
+const HINT = "Drag the agent, the tool or the can to start the episode from there.";
+const EMPTY =
+  "Cells without a value: away from its own cell, the tool is in hand, so the agent is next to it.";
 const SHOWN = { policy: ["Policy"], values: ["Values"], both: ["Both"] };
 
 export function createRun({ hello, connection, watched }: App): View {
@@ -25,7 +27,8 @@ export function createRun({ hello, connection, watched }: App): View {
   const caption = h("p", { class: "quiet", id: "run-caption", "aria-live": "polite" });
   const bars = h("ul", { class: "bars actions", id: "action-bars" });
   const index = h("span", { class: "run-index" });
-  const scale = createScaleBar("state value, with tool and can at their starts", 1);
+  const scale = createScaleBar("state value, with tool and can at their starts");
+  const hint = h("span", {}, HINT);
   let which = 0;
   let elsewhere: Placement | null = null; // the start, if it differs from the map's
   let answer: RunAnswer | null = null;
@@ -87,6 +90,13 @@ export function createRun({ hello, connection, watched }: App): View {
     return moved ?? answer?.episode?.placements[step] ?? null;
   }
 
+  /** Whether free cells have no value, which is so where a tool lies in a cell that is not its own. */
+  function partial(): boolean {
+    const start = answer?.episode?.placements[0];
+    if (start === undefined || !answer?.values || !map.tools.length) return false;
+    return map.tools.some(({ cell }, of) => !same(cellOf(map, cell), start.tools[of]!));
+  }
+
   const last = () => (answer?.episode?.placements.length ?? 1) - 1;
 
   function go(): void {
@@ -116,17 +126,19 @@ export function createRun({ hello, connection, watched }: App): View {
     const values = answer.values?.flat().filter((value) => value !== null) ?? [];
     const [least, most] = [Math.min(...values), Math.max(...values)];
     const withValues = shown !== "policy" && values.length > 0;
+    const things = stood(map, map.tools, here()!);
     board.draw({
       world: map,
-      things: stood(map, map.tools, here()!),
+      things,
       values: withValues
         ? { grid: answer.values!, scale: scaleOf(least, most), unlabelled: shown === "both" }
         : null,
       arrows: shown === "values" ? null : (answer.policy?.cells ?? null),
       now: step < last() ? (answer.policy?.episode[step] ?? null) : null,
-      label: rowColumn,
+      label: (cell) => labelIn(things, cell),
     });
     scale.show(withValues ? { least, most } : null);
+    hint.textContent = partial() ? EMPTY : HINT;
     steps.show(step);
     drawBars(answer.policy?.episode[step] ?? null, answer.episode.actions[step]);
     const length = answer.episode.actions.length;
@@ -164,6 +176,15 @@ export function createRun({ hello, connection, watched }: App): View {
         );
       }),
     );
+  }
+
+  /** A cell, its contents, its value and the most probable action there. */
+  function labelIn(things: readonly Stood[], cell: Cell): string {
+    const words = labelOf(map, things, cell, answer?.values, "expected return");
+    const shares = answer?.policy?.cells[cell[0]]?.[cell[1]];
+    if (!shares) return words;
+    const likeliest = shares.indexOf(Math.max(...shares));
+    return `${words}, ${hello.actions[likeliest]} ${Math.round(100 * shares[likeliest]!)} %`;
   }
 
   /** Whether a thing may be put into a cell. */
@@ -214,9 +235,8 @@ export function createRun({ hello, connection, watched }: App): View {
       h("div", { class: "card-head" }, title, index),
       board.element,
       scale.element,
-      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, play, back), layers.element),
-      steps.element,
-      h("p", { class: "quiet" }, "Drag the agent, the tool or the can to start the episode from there."),
+      h("div", { class: "card-foot" }, h("div", { class: "buttons" }, play, back), steps.element, layers.element),
+      h("p", { class: "quiet", id: "run-hint" }, hint),
     ),
     card(
       "Trained agent",
