@@ -5,7 +5,7 @@ INSTALLED := .venv/installed
 APART := .venv-integration
 
 .PHONY: test test-slow test-long test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings tools survey \
-	bench bench-sb3 page protocol studio-picture clean
+	bench bench-sb3 page protocol studio-picture clean sbom
 
 # The whole product, on all processors, the tests of a file together: four minutes on two cores.
 test: $(INSTALLED)
@@ -139,5 +139,19 @@ $(INSTALLED): pyproject.toml constraints.txt
 		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,studio,video,docs,dev]"
 	touch $@
 
+# Every package that Habilis and its extras install, with its licence: sbom.cdx.json, a part of the wheel.
+# Two minutes.
+RUNTIME := learn,gymnasium,sweep,studio,storm,video
+sbom: $(INSTALLED)
+	rm -rf .venv-sbom
+	$(PYTHON) -m venv .venv-sbom/runtime
+	$(PYTHON) -m venv .venv-sbom/tool
+	.venv-sbom/runtime/bin/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints.txt ".[$(RUNTIME)]"
+	.venv-sbom/tool/bin/python -m pip install --quiet --disable-pip-version-check cyclonedx-bom==7.5.0
+	.venv-sbom/tool/bin/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml \
+		--mc-type library .venv-sbom/runtime/bin/python | $(BIN)/python tests/support/sbom.py
+	rm -rf .venv-sbom
+
 clean:
-	rm -rf .venv $(APART) paper paper-quick site
+	rm -rf .venv .venv-sbom $(APART) paper paper-quick site

@@ -1,5 +1,6 @@
 """Releases: packages that install and run from anywhere, and their metadata."""
 
+import json
 import math
 import os
 import re
@@ -7,14 +8,18 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import urllib.request
 import zipfile
+from email import message_from_bytes
 from pathlib import Path
 
 import pytest
 import yaml
+from packaging.utils import canonicalize_name
 
 import habilis
+import hatch_build
 from studio import page, scene, studio
 
 ROOT = Path(__file__).parents[1]
@@ -149,6 +154,24 @@ def test_it_installs_into_an_empty_environment_and_runs(kind, request, tmp_path)
     assert (Path(file).parent / "py.typed").exists()
 
 
+USES = {  # of each extra: a line that needs it
+    "gymnasium": "import gymnasium, habilis; "
+    "gymnasium.make('habilis/Yard-v0').reset(seed=0); print('used')",
+    "learn": "import habilis as hb; run = hb.train(hb.Config(world='yard', runs=1, episodes=2)); "
+    "print('used' if run.episodes.height == 2 else run)",
+    "learn,sweep": "from habilis.sweeps import search; import ray; print('used')",
+    "storm": "import habilis as hb, stormpy; hb.TabularMDP.from_storm; print('used')",
+    "video": "import habilis as hb; world = hb.load_world('yard'); "
+    "hb.save_video([world, world], 'a.mp4'); print('used')",
+}
+
+
+@pytest.mark.parametrize("extra", USES)
+def test_with_an_extra_alone_the_wheel_does_what_the_extra_is_for(wheel, extra, tmp_path):
+    python = installed(f"{wheel}[{extra}]", tmp_path)
+    assert ran(python, "-W", "error", "-c", USES[extra], where=tmp_path).split() == ["used"]
+
+
 def test_the_wheel_and_the_extra_studio_are_all_that_the_studio_needs(
     wheel, wheel_installed, tmp_path
 ):
@@ -168,6 +191,112 @@ def test_the_wheel_and_the_extra_studio_are_all_that_the_studio_needs(
         assert bits[8][4] == pytest.approx(math.log2(6))
         refused = there.ask("train", scene=scene(yard), settings={})["error"]
         assert refused == "jax is not installed; run: pip install 'habilis[learn]'"
+
+
+ADDRESS = "https://example.org/someone/habilis"
+
+
+def described(address, version="v1.2.3"):
+    """The README as an index shows it, built with an address or without."""
+    return hatch_build.with_links((ROOT / "README.md").read_text("utf-8"), address, version)
+
+
+def test_on_an_index_every_picture_and_link_of_the_readme_is_absolute():
+    links = re.findall(r"(!?)\[[^\[\]]+\]\((\S+)\)", described(ADDRESS))
+    assert len(links) > 20
+    assert f"{ADDRESS}/raw/v1.2.3/docs/landscape.png" in [to for picture, to in links if picture]
+    assert f"{ADDRESS}/blob/v1.2.3/docs/tutorial.md" in [to for picture, to in links if not picture]
+    assert not [to for _, to in links if not to.startswith("https://")]
+
+
+def test_where_no_address_is_known_the_readme_has_the_texts_of_links_alone():
+    shown = described(None)
+    assert "](docs" not in shown
+    assert "*The studio: the yard, its landscape" in shown
+    assert "a tutorial, how-to guides," in shown
+
+
+@pytest.mark.parametrize(
+    "remote",
+    [
+        "https://example.org/someone/habilis.git",
+        "git@example.org:someone/habilis.git",
+        "ssh://git@example.org/someone/habilis",
+        "https://example.org/someone/habilis/",
+    ],
+)
+def test_the_address_of_the_repository_is_that_of_its_remote(remote, monkeypatch, tmp_path):
+    monkeypatch.delenv("HABILIS_REPOSITORY", raising=False)
+    ran("git", "init", "--quiet", where=tmp_path)
+    assert hatch_build.repository(tmp_path) is None
+    ran("git", "remote", "add", "origin", remote, where=tmp_path)
+    assert hatch_build.repository(tmp_path) == ADDRESS
+    monkeypatch.setenv("HABILIS_REPOSITORY", "https://example.org/other/place")
+    assert hatch_build.repository(tmp_path) == "https://example.org/other/place"
+
+
+def test_the_remote_of_a_clone_of_a_folder_is_no_address(monkeypatch, tmp_path):
+    monkeypatch.delenv("HABILIS_REPOSITORY", raising=False)
+    ran("git", "init", "--quiet", where=tmp_path)
+    ran("git", "remote", "add", "origin", "/somewhere/habilis", where=tmp_path)
+    assert hatch_build.repository(tmp_path) is None
+
+
+def test_code_of_the_readme_is_on_an_index_as_it_is():
+    def code(text):
+        return re.findall(r"(?s)```.*?```", text)
+
+    assert code(described(None)) == code((ROOT / "README.md").read_text("utf-8"))
+
+
+def test_both_packages_have_the_same_description(wheel, sdist):
+    metadata = f"habilis-{habilis.__version__}.dist-info/METADATA"
+    of_wheel = message_from_bytes(zipfile.ZipFile(wheel).read(metadata))
+    with tarfile.open(sdist) as archive:
+        inside = archive.extractfile(f"habilis-{habilis.__version__}/PKG-INFO")
+        assert inside is not None
+        of_sdist = message_from_bytes(inside.read())
+    assert of_wheel["Description-Content-Type"] == "text/markdown"
+    assert of_wheel.get_payload() == of_sdist.get_payload()
+    assert "# Habilis" in str(of_wheel.get_payload())
+    assert not re.findall(r"\]\((?!https://|#)", str(of_wheel.get_payload()))
+
+
+def pinned():
+    lines = (ROOT / "constraints.txt").read_text("utf-8").splitlines()
+    pins = (line.split("==") for line in lines if "==" in line)
+    return {canonicalize_name(name): version for name, version in pins}
+
+
+BILL = json.loads((ROOT / "sbom.cdx.json").read_text("utf-8"))
+
+
+def test_the_bill_of_materials_names_this_version_and_what_is_pinned():
+    assert BILL["metadata"]["component"]["version"] == habilis.__version__
+    bill = {canonicalize_name(one["name"]): one["version"] for one in BILL["components"]}
+    assert len(bill) > 40
+    assert bill == {name: version for name, version in pinned().items() if name in bill}
+
+
+def test_the_bill_of_materials_has_every_dependency_of_the_extras():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    wanted = [*project["dependencies"]]
+    for extra in set(extras) - {"dev", "docs"}:
+        wanted += extras[extra]
+    names = {canonicalize_name(re.split(r"[\[<>=~ ]", one)[0]) for one in wanted}
+    (roots,) = (one for one in BILL["dependencies"] if one["ref"].startswith("habilis=="))
+    assert {canonicalize_name(one.split("==")[0]) for one in roots["dependsOn"]} == names
+
+
+def test_every_package_in_the_bill_of_materials_has_a_licence_and_no_address():
+    assert not [one["name"] for one in BILL["components"] if not one["licenses"]]
+    assert "://" not in json.dumps({k: v for k, v in BILL.items() if k != "$schema"})
+
+
+def test_the_wheel_ships_the_bill_of_materials(wheel):
+    name = f"habilis-{habilis.__version__}.dist-info/sboms/sbom.cdx.json"
+    assert json.loads(zipfile.ZipFile(wheel).read(name)) == BILL
 
 
 def test_the_version_is_one_number_everywhere():
