@@ -96,7 +96,11 @@ def _type(kind: Any, types: dict[str, str]) -> str:
         case inspect.IntType() | inspect.FloatType():
             whole = "whole number" if isinstance(kind, inspect.IntType) else "number"
             least, most = kind.ge, kind.le if kind.lt is None else kind.lt - 1
-            return whole if least is None or most is None or most > 2**30 else f"{whole}, {least} to {most:,}"
+            return (
+                whole
+                if least is None or most is None or most > 2**30
+                else f"{whole}, {least} to {most:,}"
+            )
         case _:
             return _PLAIN[type(kind)]
 
