@@ -1,30 +1,144 @@
-"""Functions that Numba compiles, and keeps on disk where there is a place for that."""
+"""Functions that Numba compiles, and keeps on disk where there is a place for that.
+
+Compiling takes a second for each of them, and reading what was compiled half as long in all. So a
+function that says how much work a call is runs as plain Python until its calls have been some work
+together: a small model needs no compiler. It is the same function either way, with the same
+results.
+"""
 
 import inspect
-from collections.abc import Callable
-from contextlib import suppress
-from typing import Any, TypeVar
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache, update_wrapper
+from typing import Any, TypeVar, cast
 
-from numba import njit
+import numpy as np
+
+INTERPRETED = 300_000
+"""Elementary operations up to which a function is not compiled: a quarter of a second."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+Operations = Callable[..., float]
+"""Roughly how many elementary operations a call takes, from its arguments."""
 
-def compiled(function: Function) -> Function:
-    """Compiles a function at its first call; the next process reads it from the disk.
 
-    In an installation that is read-only, without a home that can be written, or on a full disk it
-    is recompiled in every process.
+class Compiled:
+    """A function that is compiled once it has much to do.
+
+    Attributes:
+        plain: the function itself.
+        operations: of a call; `None` compiles it at the first.
+        is_part: whether only other such functions call it.
     """
-    made: Any
-    function = inspect.unwrap(function)  # tests check arguments by a wrapper
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        operations: Operations | None = None,
+        is_part: bool = False,
+    ):
+        self.plain: Callable[..., Any] = inspect.unwrap(function)  # tests check arguments
+        update_wrapper(self, self.plain)
+        self.operations, self.is_part = operations, is_part
+        self._left = INTERPRETED
+        self._dispatcher: Any = None
+
+    def __call__(self, *args: Any) -> Any:
+        if self.is_part:  # of what runs as plain Python
+            return self.plain(*args)
+        if self._dispatcher is None and self._small(*args):
+            with np.errstate(over="ignore"):  # hashes wrap around
+                return self.plain(*args)
+        return self.machine(*args)
+
+    @property
+    def machine(self) -> Any:
+        """The function as Numba compiles it: of all further calls, too, once it is asked for."""
+        if self._dispatcher is None:
+            with _making:
+                if self._dispatcher is None:
+                    self._dispatcher = _dispatcher(self.plain, self.is_part)
+        return self._dispatcher
+
+    @property
+    def _numba_type_(self) -> Any:
+        """How Numba sees it in other compiled functions."""
+        return self.machine._numba_type_
+
+    def _small(self, *args: Any) -> bool:
+        if self.operations is None:
+            return False
+        self._left -= self.operations(*args)
+        return self._left >= 0
+
+
+def compiled(operations: Operations | None = None) -> Callable[[Function], Function]:
+    """Makes a function that is compiled once its calls have been much work together.
+
+    The next process reads it from the disk. In an installation that is read-only, without a home
+    that can be written, or on a full disk it is recompiled in every process.
+
+    Args:
+        operations: takes the arguments of a call, and returns roughly how many elementary
+            operations it is; `None` compiles the function at its first call.
+    """
+    return lambda function: cast(Function, Compiled(function, operations))
+
+
+def part(function: Function) -> Function:
+    """Makes a function that compiled functions call: it runs as they do."""
+    return cast(Function, Compiled(function, is_part=True))
+
+
+def paths(branching: float, length: int) -> float:
+    """At most how many steps all paths of a length take, each beginning once: b + b**2 + ...
+
+    Example:
+        >>> paths(2, 3)
+        14.0
+    """
+    total = 0.0
+    for _ in range(min(length, 64)):
+        total = branching * (1 + total)
+    return total if length <= 64 else float("inf")
+
+
+def compile_now(*functions: Callable[..., Any]) -> None:
+    """Leaves out the time as plain Python: what follows is timed."""
+    for function in functions:
+        assert isinstance(function, Compiled)
+        _ = function.machine
+
+
+@contextmanager
+def compiling_announced(announce: Callable[[], object]) -> Iterator[None]:
+    """Within it, `announce` is called whenever the compiler starts, from any thread."""
+    _announcers.append(announce)
     try:
-        made = njit(cache=True, nogil=True)(function)
+        yield
+    finally:
+        _announcers.remove(announce)
+
+
+_making = threading.RLock()
+_announcers: list[Callable[[], object]] = []
+
+
+def _dispatcher(function: Callable[..., Any], is_part: bool) -> Any:
+    from numba import njit
+
+    _listen()
+    # Without what callers in C or, of a part, in Python need: half of a small one's time.
+    options: dict[str, Any] = {"no_cfunc_wrapper": True, "no_cpython_wrapper": is_part}
+    made: Any
+    try:
+        made = njit(cache=True, nogil=True, **options)(function)
     except RuntimeError:  # Numba has no place for its files
-        made = njit(nogil=True)(function)
-        return made
-    if (cache := getattr(made, "_cache", None)) is not None:  # none under NUMBA_DISABLE_JIT
-        cache.save_overload = _if_there_is_room(cache.save_overload)
+        return njit(nogil=True, **options)(function)
+    if (kept := getattr(made, "_cache", None)) is not None:  # none under NUMBA_DISABLE_JIT
+        kept.save_overload = _if_there_is_room(kept.save_overload)
     return made
 
 
@@ -34,3 +148,19 @@ def _if_there_is_room(save: Callable[[Any, Any], None]) -> Callable[[Any, Any], 
             save(signature, data)
 
     return save_if_possible
+
+
+@cache
+def _listen() -> None:
+    """Has Numba say when it compiles; what it reads from the disk is no event."""
+    from numba.core import event
+
+    class Compiling(event.Listener):
+        def on_start(self, event: Any) -> None:
+            for announce in list(_announcers):
+                announce()
+
+        def on_end(self, event: Any) -> None:
+            pass
+
+    event.register("numba:compile", Compiling())

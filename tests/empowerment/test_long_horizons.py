@@ -14,7 +14,8 @@ from habilis.analysis.influence import influence_range, latency
 from habilis.empowerment.horizons import empowerment_by_horizon
 from habilis.empowerment.limits import Limits, TooMuchError, watched
 from habilis.empowerment.tabular import deterministic
-from habilis.empowerment.tabular.columns import Columns, count_columns, count_every_horizon
+from habilis.empowerment.tabular.column_counting import count_columns, count_every_horizon
+from habilis.empowerment.tabular.columns import Columns
 from habilis.empowerment.tabular.counting import count_backward, count_forward
 from habilis.empowerment.tabular.deterministic import Question, counts, counts_by_horizon
 from habilis.empowerment.tabular.eventual import same_horizon

@@ -98,7 +98,7 @@ class Averages:
         return Averages(self.episodes + len(values), sums, smooth_sums), at or None
 
 
-@compiled
+@compiled()
 def _follow(
     returns: np.ndarray, before: int, sums: np.ndarray, smooth_sums: np.ndarray, enough: float
 ) -> int:

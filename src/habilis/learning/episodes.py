@@ -48,7 +48,7 @@ class Ledger:
         return _entries(self.columns, self.terminated, running, *each)
 
 
-@compiled
+@compiled()
 def _entries(
     columns: np.ndarray,
     terminated: np.ndarray,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Int, Int32, Int64
 
-from habilis.compiled import compiled
+from habilis.compiled import compiled, part
 
 _SCATTER = np.uint64(0x9E3779B97F4A7C15)  # 2**64 over the golden ratio: spreads keys that are near
 _FIRST_BITS = 12
@@ -188,7 +188,7 @@ class InternedRows:
         _fill(self._slots, self._keys, self._count, self._bits)
 
 
-@compiled
+@compiled(lambda rows: rows.size)
 def _ranges(rows):
     least, most = rows[0].copy(), rows[0].copy()
     for place in range(1, len(rows)):
@@ -201,14 +201,15 @@ def _ranges(rows):
     return least, most
 
 
-@compiled
+@part
 def _pack(row, least, word, shift, key):
-    key[:] = 0
+    for place in range(len(key)):
+        key[place] = 0
     for column in range(len(row)):
         key[word[column]] |= (row[column] - least[column]) << shift[column]
 
 
-@compiled
+@compiled(lambda rows, *packing: 3 * rows.size)
 def _packed(rows, least, word, shift, words):
     keys = np.empty((len(rows), words), np.int64)
     for place in range(len(rows)):
@@ -216,7 +217,7 @@ def _packed(rows, least, word, shift, words):
     return keys
 
 
-@compiled
+@compiled(lambda keys, least, *packing: len(keys) * len(least))
 def _unpacked(keys, least, bits, word, shift):
     rows = np.empty((len(keys), len(least)), np.int64)
     for column in range(len(least)):
@@ -227,21 +228,22 @@ def _unpacked(keys, least, bits, word, shift):
     return rows
 
 
-@compiled
+@compiled(lambda *args: 8 * args[4].size)
 def _add(slots, known, count, bits, rows, least, word, shift, numbers):
     key = np.empty(known.shape[1], np.int64)
     for place in range(len(rows)):
         _pack(rows[place], least, word, shift, key)
         slot = _slot(slots, known, bits, key)
         if slots[slot] < 0:
-            known[count] = key
+            for column in range(len(key)):  # an assignment of arrays takes seconds to compile
+                known[count, column] = key[column]
             slots[slot] = count
             count += 1
         numbers[place] = slots[slot]
     return count
 
 
-@compiled
+@compiled(lambda slots, known, bits, keys: 8 * keys.size)
 def _find(slots, known, bits, keys):
     numbers = np.empty(len(keys), np.int32)
     for place in range(len(keys)):
@@ -249,13 +251,13 @@ def _find(slots, known, bits, keys):
     return numbers
 
 
-@compiled
+@compiled(lambda slots, known, count, bits: 8 * count * known.shape[1])
 def _fill(slots, known, count, bits):
     for number in range(count):
         slots[_slot(slots, known, bits, known[number])] = number
 
 
-@compiled
+@part
 def _slot(slots, known, bits, key):
     """Where a key is, or the free slot where it would be."""
     mixed = np.uint64(key[0]) * _SCATTER

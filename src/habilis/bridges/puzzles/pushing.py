@@ -25,16 +25,16 @@ def pushed(
         The next states.
     """
     stopped, outlines, meets = collisions.stopped, collisions.outlines, collisions.meets
-    return _pushed(
-        stopped, outlines, meets, np.array(STEPS), collisions.shape, most, states, actions
-    )
+    after = np.array(states, order="C")  # one that can be written: others were compiled for again
+    steps, chosen = np.array(STEPS), np.ascontiguousarray(actions)
+    _push(stopped, outlines, meets, steps, collisions.shape, most, after, chosen)
+    return after
 
 
-@compiled
-def _pushed(stopped, outlines, meets, steps, shape, most, states, actions):
+@compiled(lambda *args: args[-2].size * args[-2].shape[1])
+def _push(stopped, outlines, meets, steps, shape, most, states, actions):
     count, bodies = states.shape
     rows, columns = shape
-    after = states.copy()
     row, column = np.empty(bodies, np.int64), np.empty(bodies, np.int64)
     moves, queue = np.empty(bodies, np.bool_), np.empty(bodies, np.int64)
     for place in range(count):
@@ -63,5 +63,4 @@ def _pushed(stopped, outlines, meets, steps, shape, most, states, actions):
         if free:
             for body in range(bodies):
                 if moves[body]:
-                    after[place, body] += down * columns + right
-    return after
+                    states[place, body] += down * columns + right

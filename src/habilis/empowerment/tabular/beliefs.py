@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64, Int32, Int64
 
-from habilis.compiled import compiled
+from habilis.compiled import compile_now, compiled, part, paths
 from habilis.mdp_arguments import UNAVAILABLE
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ _LEAST = float(np.finfo(np.float64).tiny)  # of what is possible: it must not ro
 
 _GRAIN = float(2**30)  # coarse, so that rounding seldom puts the same beliefs in two places
 _OFFSET = 0.318309886  # keeps round numbers away from the grains' edges
+_SCATTER = 0x9E3779B1  # spreads the numbers of states
 
 
 class TooManyBeliefsError(Exception):
@@ -199,90 +200,119 @@ def states_within(
     successors: Successors, start: int, horizon: int
 ) -> Float64[np.ndarray, "horizons"]:
     """How many states 0, 1, ... h actions can touch, float64[h + 1]."""
-    return _count_within(
-        successors.first, successors.state, successors.actions, start, horizon
-    ).astype(np.float64)
+    first, state, actions = successors.first, successors.state, successors.actions
+    return _near(first, state, actions, start, horizon)[1].astype(np.float64)
+
+
+def compile_kernels() -> None:
+    """Leaves out the time as plain Python: what follows is timed."""
+    compile_now(_near, _local, _advance, _follow, _wander)
 
 
 def distinct(
     rows: Float64[np.ndarray, "n m"],
 ) -> tuple[Float64[np.ndarray, "k m"], Int32[np.ndarray, "k"]]:
     """The rows that differ, each once, and where they were first."""
-    return _gather(rows)
+    width = rows.shape[1]
+    stay = np.arange(width + 1), np.arange(width, dtype=np.int32), np.ones(width)
+    different, parent, _ = _advance(rows, *stay, 1, len(rows), False)
+    return different, parent
 
 
 def _around(
     successors: Successors, start: int, horizon: int
 ) -> tuple[Int32[np.ndarray, "N"], Successors]:
     """The states within h actions of a start (the start first), and the transitions among them."""
-    states, first, state, probability = _neighbourhood(
-        successors.first,
-        successors.state,
-        successors.probability,
-        successors.actions,
-        start,
-        horizon,
-    )
-    return states, Successors(first, state, probability, successors.actions)
+    first, state, actions = successors.first, successors.state, successors.actions
+    near, counts, slots = _near(first, state, actions, start, horizon)
+    # States on the rim are never left within the horizon: they need no successors.
+    inner = int(counts[horizon - 1]) if horizon else 0
+    local = _local(first, state, successors.probability, actions, near, inner, slots)
+    return near, Successors(*local, actions)
 
 
-@compiled
-def _neighbourhood(first, state, probability, actions, start, horizon):
-    place = {np.int32(start): np.int32(0)}
-    near = [np.int32(start)]
+def _few_steps(first, state, actions, start, horizon):
+    outcomes = len(state) * actions / (len(first) - 1)
+    return 6 * min(len(state), paths(outcomes, horizon))
+
+
+@compiled(_few_steps)
+def _near(first, state, actions, start, horizon):
+    """The states within h actions, how many after 0, 1, ... of them, and their places by a hash."""
+    near = np.empty(16, np.int32)
+    slots = np.zeros(32, np.int32)  # one more than a place
+    near[0], count = start, 1
+    slots[_slot(slots, near, near[0])] = 1
+    counts = np.empty(horizon + 1, np.int64)
+    counts[0] = 1
     begin = 0
-    entries = 0
-    inner = 0
-    for _ in range(horizon):
-        end = len(near)
-        if begin == end:
-            break
+    for t in range(horizon):
+        end = count
         for i in range(begin, end):
             for k in range(first[near[i] * actions], first[(near[i] + 1) * actions]):
-                entries += 1
-                if state[k] not in place:
-                    place[state[k]] = np.int32(len(near))
-                    near.append(state[k])
+                slot = _slot(slots, near, state[k])
+                if slots[slot] > 0:
+                    continue
+                if count == len(near):
+                    longer, slots = np.empty(2 * count, np.int32), np.zeros(4 * count, np.int32)
+                    for place in range(count):
+                        longer[place] = near[place]
+                        slots[_slot(slots, longer, near[place])] = place + 1
+                    near = longer
+                    slot = _slot(slots, near, state[k])
+                near[count] = state[k]
+                count += 1
+                slots[slot] = count
         begin = end
-        inner = end
-    # States on the rim are never left within the horizon: they need no successors.
+        counts[t + 1] = count
+    return near[:count].copy(), counts, slots
+
+
+@part
+def _slot(slots, near, state):
+    """The slot of a state, or the free slot where it belongs."""
+    mask = len(slots) - 1
+    slot = (np.int64(state) * _SCATTER >> 15) & mask
+    while slots[slot] > 0 and near[slots[slot] - 1] != state:
+        slot = (slot + 1) & mask
+    return slot
+
+
+def _few_transitions(first, state, probability, actions, near, inner, slots):
+    outcomes = len(state) * actions / (len(first) - 1)
+    return 2 * len(near) * actions + 6 * inner * outcomes
+
+
+@compiled(_few_transitions)
+def _local(first, state, probability, actions, near, inner, slots):
+    """The transitions of the first `inner` states among all that are near, by their places."""
+    entries = 0
+    for i in range(inner):
+        entries += first[(near[i] + 1) * actions] - first[near[i] * actions]
     local_first = np.zeros(len(near) * actions + 1, np.int64)
     local_state = np.empty(entries, np.int32)
-    local_probability = np.empty(entries)
+    local_probability = np.empty(entries, np.float64)
     filled = 0
     for i in range(len(near)):
         for a in range(actions):
             if i < inner:
                 row = near[i] * actions + a
                 for k in range(first[row], first[row + 1]):
-                    local_state[filled] = place[state[k]]
+                    local_state[filled] = slots[_slot(slots, near, state[k])] - 1
                     local_probability[filled] = probability[k]
                     filled += 1
             local_first[i * actions + a + 1] = filled
-    return np.array(near, np.int32), local_first, local_state, local_probability
+    return local_first, local_state, local_probability
 
 
-@compiled
-def _count_within(first, state, actions, start, horizon):
-    near = [np.int32(start)]
-    met = {np.int32(start): True}
-    counts = np.ones(horizon + 1, np.int64)
-    begin = 0
-    for t in range(horizon):
-        end = len(near)
-        for i in range(begin, end):
-            for k in range(first[near[i] * actions], first[(near[i] + 1) * actions]):
-                if state[k] not in met:
-                    met[state[k]] = True
-                    near.append(state[k])
-        begin = end
-        counts[t + 1 :] = len(near)
-        if len(near) == end:
-            break
-    return counts
+@part
+def _copy(row, into):
+    """Written out: an assignment between arrays takes seconds to compile, for its error."""
+    for i in range(len(row)):
+        into[i] = row[i]
 
 
-@compiled
+@part
 def _key(row):
     key = np.uint64(0x9E3779B97F4A7C15)
     for value in row:
@@ -292,8 +322,8 @@ def _key(row):
     return key
 
 
-@compiled
-def _find(row, key, slots, keys, rows, count, partial):
+@part
+def _find(row, key, slots, keys, rows, partial):
     """The slot of a row like this one, or the free slot where it belongs.
 
     Where actions are not available everywhere (`partial`), rows that are alike have their zeros in
@@ -301,8 +331,8 @@ def _find(row, key, slots, keys, rows, count, partial):
     """
     mask = np.uint64(len(slots) - 1)
     slot = key & mask
-    while slots[slot] >= 0:
-        known = slots[slot]
+    while slots[slot] > 0:
+        known = slots[slot] - 1
         if keys[known] == key:
             same = True
             for i in range(len(row)):
@@ -318,7 +348,7 @@ def _find(row, key, slots, keys, rows, count, partial):
     return slot
 
 
-@compiled
+@part
 def _surely(belief, first, actions, a):
     """Whether an action is available in every state that a belief holds possible."""
     for s in range(len(belief)):
@@ -327,14 +357,14 @@ def _surely(belief, first, actions, a):
     return True
 
 
-@compiled
+@compiled(lambda matrix, first, state, probability, actions, *rest: 5 * matrix.size * actions)
 def _advance(matrix, first, state, probability, actions, most, partial):
     """One action more: the distinct beliefs, and from which row and by what they came about."""
     count, width = matrix.shape
     size = 16
     while size < 2 * count * actions:
         size *= 2
-    slots = np.full(size, -1, np.int32)
+    slots = np.zeros(size, np.int32)  # one more than a row's number
     room = 2 * count + 16
     rows = np.empty((room, width))
     keys = np.empty(count * actions, np.uint64)
@@ -346,7 +376,8 @@ def _advance(matrix, first, state, probability, actions, most, partial):
         for a in range(actions):
             if partial and not _surely(matrix[i], first, actions, a):
                 continue
-            row[:] = 0.0
+            for s in range(width):
+                row[s] = 0.0
             for s in range(width):
                 weight = matrix[i, s]
                 if weight != 0.0:
@@ -356,15 +387,16 @@ def _advance(matrix, first, state, probability, actions, most, partial):
                             share = _LEAST
                         row[state[k]] += share
             key = _key(row)
-            slot = _find(row, key, slots, keys, rows, found, partial)
-            if slots[slot] < 0:
+            slot = _find(row, key, slots, keys, rows, partial)
+            if slots[slot] == 0:
                 if found == room:
                     room *= 2
                     wider = np.empty((room, width))
-                    wider[:found] = rows
+                    for j in range(found):
+                        _copy(rows[j], wider[j])
                     rows = wider
-                slots[slot] = found
-                rows[found] = row
+                slots[slot] = found + 1
+                _copy(row, rows[found])
                 keys[found] = key
                 parent[found] = i
                 action[found] = a
@@ -374,30 +406,7 @@ def _advance(matrix, first, state, probability, actions, most, partial):
     return rows[:found].copy(), parent[:found].copy(), action[:found].copy()
 
 
-@compiled
-def _gather(matrix):
-    count, width = matrix.shape
-    size = 16
-    while size < 2 * count:
-        size *= 2
-    slots = np.full(size, -1, np.int32)
-    rows = np.empty((count, width))
-    keys = np.empty(count, np.uint64)
-    first = np.empty(count, np.int32)
-    found = 0
-    for i in range(count):
-        key = _key(matrix[i])
-        slot = _find(matrix[i], key, slots, keys, rows, found, False)
-        if slots[slot] < 0:
-            slots[slot] = found
-            rows[found] = matrix[i]
-            keys[found] = key
-            first[found] = i
-            found += 1
-    return rows[:found].copy(), first[:found].copy()
-
-
-@compiled
+@compiled(lambda sequences, first, *rest: 3 * sequences.size * len(first))
 def _follow(sequences, first, state, probability, actions):
     width = (len(first) - 1) // actions
     rows = np.zeros((len(sequences), width))
@@ -405,8 +414,9 @@ def _follow(sequences, first, state, probability, actions):
     for i in range(len(sequences)):
         rows[i, 0] = 1.0
         for a in sequences[i]:
-            before[:] = rows[i]
-            rows[i] = 0.0
+            _copy(rows[i], before)
+            for s in range(width):
+                rows[i, s] = 0.0
             for s in range(width):
                 if before[s] != 0.0:
                     for k in range(first[s * actions + a], first[s * actions + a + 1]):
@@ -414,7 +424,7 @@ def _follow(sequences, first, state, probability, actions):
     return rows
 
 
-@compiled
+@compiled(lambda draws, first, *rest: 5 * draws.size * len(first))
 def _wander(draws, first, state, probability, actions):
     width = (len(first) - 1) // actions
     rows = np.zeros((len(draws), width))
@@ -433,8 +443,9 @@ def _wander(draws, first, state, probability, actions):
                 complete[i] = False
                 break
             a = available[min(int(draws[i, t] * count), count - 1)]
-            before[:] = rows[i]
-            rows[i] = 0.0
+            _copy(rows[i], before)
+            for s in range(width):
+                rows[i, s] = 0.0
             for s in range(width):
                 if before[s] != 0.0:
                     for k in range(first[s * actions + a], first[s * actions + a + 1]):

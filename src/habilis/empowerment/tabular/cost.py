@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int64
 
 from habilis.channels.capacity_solver import best_inputs
 from habilis.empowerment.limits import Limits, takes, too_much
-from habilis.empowerment.tabular.beliefs import states_within
+from habilis.empowerment.tabular.beliefs import compile_kernels, states_within
 from habilis.empowerment.tabular.open_loop import Problem, drawn, solve_channel
 from habilis.empowerment.tabular.outcomes import outcomes_after
 from habilis.probabilities import shape_of
@@ -181,6 +181,7 @@ def _probe(
 
 def _compile(problem: Problem, start: int) -> None:
     """Does once what is timed later: the first time, it is compiled, for many seconds."""
+    compile_kernels()
     beliefs = outcomes_after(problem.successors, start, min(1, problem.horizon))
     solve_channel(problem, beliefs.states, beliefs.matrix)
     best_inputs(np.array([[0.9, 0.1], [0.2, 0.8]]), 1e-6)

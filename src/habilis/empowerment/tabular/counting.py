@@ -16,7 +16,7 @@ from collections.abc import Generator
 import numpy as np
 from jaxtyping import Int32, Int64, UInt64
 
-from habilis.compiled import compiled
+from habilis.compiled import compile_now, compiled, paths
 from habilis.empowerment.limits import Progress, unwatched
 from habilis.empowerment.tabular.blocks import in_blocks, in_turn
 from habilis.empowerment.tabular.recurring import FIRST_LOOK, last_of, recurring
@@ -74,7 +74,9 @@ def sets_backward(
     return recurring(step, sets, horizon, jump=jump)
 
 
-@compiled
+@compiled(
+    lambda next_state, sets, out, begin, end: (end - begin) * next_state.shape[1] * sets.shape[1]
+)
 def unite(
     next_state: Int32[np.ndarray, "S A"],
     sets: UInt64[np.ndarray, "S W"],
@@ -150,7 +152,14 @@ def count_forward(
     return counts
 
 
-@compiled
+def few_steps(next_state, labels, label_count, horizon, starts, most, most_steps):
+    """Steps from state to state that the lists take, at most."""
+    actions = next_state.shape[1]
+    longest = min(horizon * min(most, len(next_state)) * actions, most_steps)
+    return len(starts) * min(paths(actions, horizon), longest)
+
+
+@compiled(few_steps)
 def _count_forward(next_state, labels, label_count, horizon, starts, most, most_steps):
     counts = np.empty(len(starts), np.int64)
     room = min(len(next_state), most * next_state.shape[1])
@@ -206,3 +215,8 @@ def _count_forward(next_state, labels, label_count, horizon, starts, most, most_
                 count += 1
         counts[i] = count
     return counts
+
+
+def compile_lists() -> None:
+    """Leaves out the time as plain Python."""
+    compile_now(_count_forward)

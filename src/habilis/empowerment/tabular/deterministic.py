@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Int32, Int64
 
-from habilis.compiled import compiled
+from habilis.compiled import INTERPRETED, compile_now, compiled, paths
 from habilis.empowerment.limits import (
     UNLIMITED,
     Limits,
@@ -16,12 +17,21 @@ from habilis.empowerment.limits import (
     unwatched,
     watched,
 )
-from habilis.empowerment.tabular.columns import Columns, count_columns, count_every_horizon, memory
-from habilis.empowerment.tabular.counting import count_backward, count_forward, sets_backward, sizes
-from habilis.empowerment.tabular.eventual import same_horizon
+from habilis.empowerment.tabular.columns import Columns, memory
+from habilis.empowerment.tabular.counting import (
+    compile_lists,
+    count_backward,
+    count_forward,
+    few_steps,
+    sets_backward,
+    sizes,
+    unite,
+)
 from habilis.empowerment.tabular.recurring import FIRST_LOOK, repeated
-from habilis.empowerment.tabular.spreading import Graph
 from habilis.empowerment.tabular.windows import Window, count_in_window, window_of, worth_a_window
+
+if TYPE_CHECKING:  # what it needs of Numba takes long to import
+    from habilis.empowerment.tabular.spreading import Graph
 
 MOST_PACKED_LABELS = 4096
 """Labels up to which all states' sets are carried back at once."""
@@ -81,6 +91,9 @@ def counts(question: Question) -> Counts:
         return (asked.labels >= 0).astype(np.int64)[place]
     steps, graph = asked.horizon, None
     if steps > _LONG and asked.table.size * steps > _TRIFLE:
+        from habilis.empowerment.tabular.eventual import same_horizon
+        from habilis.empowerment.tabular.spreading import Graph
+
         _check(question.horizon, asked, levels, _graph_bytes(asked))
         graph = Graph.of(asked.table)
         steps = same_horizon(graph, steps)
@@ -93,7 +106,7 @@ def counts(question: Question) -> Counts:
         gib = _check(
             question.horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64))
         )
-        _compile_packed()
+        _compile_packed(asked)
         watch = watched(horizon, steps, gib, question.limits, question.report)
         return count_backward(
             asked.table, asked.labels, asked.label_count, steps, asked.threads, watch
@@ -129,7 +142,7 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
     horizon, limits = question.horizon, question.limits
     if asked.label_count <= MOST_PACKED_LABELS:
         gib = _check(horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64)))
-        _compile_packed()
+        _compile_packed(asked)
         watch = watched(horizon, horizon, gib, limits, question.report)
         sets = sets_backward(
             asked.table, asked.labels, asked.label_count, horizon, asked.threads, jump=False
@@ -143,6 +156,9 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
             rows.append(sizes(now[place]))
             check_memory(*_rows_gib(question, len(place), len(rows), gib), horizon, limits)
             watch((len(rows) - 1) / max(horizon, 1))
+    from habilis.empowerment.tabular.column_counting import count_every_horizon
+    from habilis.empowerment.tabular.spreading import Graph
+
     # A block of columns has a period of its own: all of them together seldom have a short one.
     columns = Columns.of(asked.labels, asked.label_count, None)
     gib = _check(horizon, asked, levels, _columns_bytes(asked, columns))
@@ -166,11 +182,19 @@ def _rows_gib(question: Question, size: int, rows: int, besides: float = 0) -> t
     return besides + row * rows / _GIB, max(left // row - 1, -1)
 
 
-# Done once before anything is timed: the first time, it is compiled, for many seconds.
+# Done once before anything is timed: the first time, it is compiled, for seconds. Only where there
+# is so much to do.
+
+
+def _compile_packed(asked: Question) -> None:
+    words = -(-asked.label_count // 64)
+    if asked.table.size * words * asked.horizon > INTERPRETED:
+        _compile_union()
 
 
 @lru_cache(1)
-def _compile_packed() -> None:
+def _compile_union() -> None:
+    compile_now(unite)
     count_backward(np.zeros((1, 1), np.int32), np.zeros(1, np.int32), 1, 1)
 
 
@@ -183,6 +207,9 @@ def _compile_window() -> None:
 
 @lru_cache(2)
 def _compile_columns(forward: bool) -> None:
+    from habilis.empowerment.tabular.column_counting import count_columns
+    from habilis.empowerment.tabular.spreading import Graph
+
     table, labels, starts = np.zeros((1, 1), np.int32), np.zeros(1, np.int32), np.zeros(1, np.int64)
     columns = Columns.of(labels, 2, starts if forward else None)
     count_columns(Graph.of(table), labels, 2, 1, columns)
@@ -190,6 +217,7 @@ def _compile_columns(forward: bool) -> None:
 
 @lru_cache(1)
 def _compile_lists() -> None:
+    compile_lists()
     table, labels, starts = np.zeros((1, 1), np.int32), np.zeros(1, np.int32), np.zeros(1, np.int64)
     count_forward(table, labels, 1, 1, starts)
 
@@ -230,27 +258,37 @@ def neighbourhood(
     return near, small, place[starts].astype(np.int64), levels
 
 
-@compiled
+def _few_steps(table, starts, horizon):
+    return min(table.size, len(starts) * paths(table.shape[1], horizon))
+
+
+@compiled(_few_steps)
 def _reached(table, starts, horizon):
-    met = np.zeros(len(table), np.bool_)
-    found = [np.int64(s) for s in starts[:0]]
+    states = len(table)
+    met = np.zeros(states, np.bool_)
+    found = np.empty(states, np.int64)
+    levels = np.empty(min(horizon, states) + 1, np.int64)
+    count = 0
     for s in starts:
         if not met[s]:
             met[s] = True
-            found.append(s)
-    levels = [len(found)]
-    begin = 0
-    while begin < len(found) and len(levels) <= horizon:
-        end = len(found)
+            found[count] = s
+            count += 1
+    levels[0] = count
+    begin, time = 0, 0
+    while begin < count and time < horizon:
+        end = count
         for k in range(begin, end):
             for a in range(table.shape[1]):
                 s = np.int64(table[found[k], a])
                 if not met[s]:
                     met[s] = True
-                    found.append(s)
+                    found[count] = s
+                    count += 1
         begin = end
-        levels.append(len(found))
-    return np.array(found, np.int64), np.array(levels, np.int64)
+        time += 1
+        levels[time] = count
+    return found[:count].copy(), levels[: time + 1].copy()
 
 
 def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | None:
@@ -277,7 +315,7 @@ def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | 
 
 
 def _of_many_labels(
-    question: Question, asked: Question, place: Counts, levels: Levels, graph: Graph | None
+    question: Question, asked: Question, place: Counts, levels: Levels, graph: "Graph | None"
 ) -> Counts:
     """As lists while sets are short, and as columns of bits where they outgrow these."""
     starts, where = place, slice(None)
@@ -301,7 +339,9 @@ def _of_many_labels(
 
     found = np.full(len(starts), -1, np.int64)
     if len(starts):
-        _compile_lists()
+        steps = asked.table, asked.labels, asked.label_count, asked.horizon, starts
+        if few_steps(*steps, _LISTED, _LIST_STEPS) > INTERPRETED:
+            _compile_lists()
         trial = np.unique(np.linspace(0, len(starts) - 1, _TRIED).astype(int))
         listed(trial, 1, unwatched)
         if (found[trial] >= 0).mean() > 0.5:
@@ -311,6 +351,9 @@ def _of_many_labels(
             listed(np.flatnonzero(rest), asked.threads, watch)
     long = np.flatnonzero(found < 0)
     if len(long):
+        from habilis.empowerment.tabular.column_counting import count_columns
+        from habilis.empowerment.tabular.spreading import Graph
+
         graph = Graph.of(asked.table) if graph is None else graph
         columns = Columns.of(asked.labels, asked.label_count, starts[long])
         _compile_columns(columns.forward)

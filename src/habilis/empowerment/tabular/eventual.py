@@ -11,7 +11,7 @@ from math import lcm
 
 import numpy as np
 
-from habilis.compiled import compiled
+from habilis.compiled import compiled, part
 from habilis.empowerment.tabular.spreading import Graph
 
 _LONGEST = 1 << 20  # periods above are not looked for
@@ -45,7 +45,7 @@ def same_horizon(graph: Graph, horizon: int) -> int:
     return horizon if horizon <= last else last + (horizon - last) % period
 
 
-@compiled
+@compiled()
 def _components(first, index, back_first, back_index, component):
     """Of each component d + c, and its period; 0 where no state leads back to itself."""
     nodes = len(component)
@@ -79,7 +79,7 @@ def _components(first, index, back_first, back_index, component):
     return around, periods
 
 
-@compiled
+@part
 def _search(first, index, component, pivot, distance, queue):
     """Distances from a pivot within its component, whose states fill the queue: how many."""
     distance[pivot] = 0
@@ -97,14 +97,14 @@ def _search(first, index, component, pivot, distance, queue):
     return size
 
 
-@compiled
+@part
 def _divisor(a, b):
     while b:
         a, b = b, a % b
     return a
 
 
-@compiled
+@part
 def _conductor(shortest, longest, divisor):
     """From where on sums of lengths up to `longest`, of which one is `shortest`, are all there.
 
@@ -115,7 +115,7 @@ def _conductor(shortest, longest, divisor):
     return max(a - 1, 0) * max(b - 1, 0) * divisor
 
 
-@compiled
+@compiled()
 def _longest(first, index, component, lengths):
     """The largest sum of lengths along a path from component to component."""
     nodes, count = len(component), len(lengths)

@@ -122,7 +122,7 @@ def _components(table: Int32[np.ndarray, "S A"]) -> Int32[np.ndarray, "S"]:
     return component
 
 
-@compiled
+@compiled(lambda table, *rest: table.size)
 def _most_in_reach(
     table: Int32[np.ndarray, "S A"],
     labels: Int32[np.ndarray, "S"],

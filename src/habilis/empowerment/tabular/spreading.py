@@ -20,11 +20,9 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from habilis.compiled import compiled
+from habilis.compiled import compiled, part
+from habilis.empowerment.tabular.columns import WORDS
 from habilis.empowerment.tabular.recurring import FIRST_LOOK
-
-WORDS = 8
-"""Words of 64 columns in a block: a cache line."""
 
 _SWEEP = 0.05  # share of all edges next to changes from which a sweep over all nodes costs less
 # What a block's progress consists of: places in `Block.state`.
@@ -83,11 +81,6 @@ class Block:
         sets = np.zeros((3, nodes, WORDS), np.uint64)
         return cls(sets, np.zeros((5, nodes), np.int32), np.zeros(11, np.int64))
 
-    @staticmethod
-    def memory(nodes: int) -> int:
-        """Bytes."""
-        return nodes * (3 * 8 * WORDS + 5 * 4)
-
     @property
     def time(self) -> int:
         """How many steps are done."""
@@ -137,7 +130,7 @@ def advance(graph: Graph, block: Block, most_unions: int) -> bool:
     return bool(block.state[_TIME] >= block.state[_END])
 
 
-@compiled
+@compiled()
 def _edges(next_state):
     """The distinct successors of each state, and its predecessors."""
     states, actions = next_state.shape
@@ -168,7 +161,7 @@ def _edges(next_state):
     return first, index, back_first, back_index
 
 
-@compiled
+@compiled()
 def _begin(sets, lists, state, nodes, columns):
     changed, touched, is_touched, stamp = lists[0], lists[2], lists[3], lists[4]
     size = state[_TOUCHED]
@@ -249,7 +242,7 @@ def _union_code(typing, index, begin, end, sets, s, out, k):
 _union: Any = intrinsic(_union_code)
 
 
-@compiled
+@compiled()
 def _advance(first, index, back_first, back_index, sets, lists, state, most_unions):
     nodes = sets.shape[1]
     edges = len(index)
@@ -315,7 +308,7 @@ def _advance(first, index, back_first, back_index, sets, lists, state, most_unio
     state[_UNIONS] += unions
 
 
-@compiled
+@part
 def _look_back(sets, touched, state):
     """Finds a period: whether the sets are again those of some time before."""
     now, then = sets[state[_SIDE]], sets[2]
@@ -349,7 +342,7 @@ def sizes_of(block: Block) -> Int64[np.ndarray, "nodes"]:
     return _sizes(current(block), block.touched)
 
 
-@compiled
+@compiled()
 def _sizes(sets, touched):
     sizes = np.zeros(len(sets), np.int64)
     for s in touched:

@@ -134,7 +134,7 @@ def count_in_window(
     return np.concatenate(counted)
 
 
-@compiled
+@compiled()
 def _extend(next_state, row, column, reach, out, begin, end):
     """One step back: how far up, down, left and right, and the extremes of this block."""
     top = bottom = left = right = 0
@@ -163,7 +163,7 @@ def _extend(next_state, row, column, reach, out, begin, end):
     return top, bottom, left, right, changed
 
 
-@compiled
+@compiled()
 def _unite_shifted(
     next_state: Int32[np.ndarray, "S A"],
     place: Int32[np.ndarray, "S"],
