@@ -19,6 +19,8 @@ PACKAGE = Path(hb.__file__).parent
 MAIN = ["-m", "habilis"]
 COMPUTE = """
 import habilis as hb
+import habilis.compiled
+habilis.compiled.INTERPRETED = 0  # compile everything
 from habilis.rewards.cached_tables import kept_empowerment
 from habilis.empowerment.tabular.persistence import persistence
 assert hb.__file__.startswith({place!r}), hb.__file__

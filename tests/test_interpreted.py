@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from argparse import Namespace
 from collections.abc import Callable
 from typing import Any
 
@@ -13,23 +14,31 @@ from hypothesis import strategies as st
 
 import habilis as hb
 from habilis.bridges.puzzles.pushworld import PushWorld
+from habilis.cli.output import compiling_announced
 from habilis.compiled import INTERPRETED, Compiled, compiled, part, paths
 from habilis.empowerment.tabular import beliefs, counting, deterministic
 from habilis.empowerment.tabular.open_loop import problem_of
 from habilis.empowerment.tabular.persistence import persistence
 from habilis.models.interning import InternedRows
 
-SETTINGS = settings(deadline=None, max_examples=25)  # it is compiled at first
+SETTINGS = settings(deadline=None, max_examples=10)  # it is compiled at first
 
 
-def both_ways(work: Callable[[], Any]) -> tuple[Any, Any]:
-    """The result with everything interpreted, and with everything compiled."""
-    results = []
-    for small in (True, False):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(Compiled, "__call__", as_plain if small else as_machine)
-            results.append(work())
-    return results[0], results[1]
+def check(work: Callable[[], Any]) -> None:
+    """Checks that results are the same as plain Python, in NumPy, and compiled."""
+    plain, without, machine = (
+        result_with(call, work) for call in (as_plain, as_without, as_machine)
+    )
+    for one, *others in zip(machine, plain, without, strict=True):
+        for other in others:
+            assert np.asarray(one).dtype == np.asarray(other).dtype
+            assert np.array_equal(one, other)
+
+
+def result_with(call: Callable[..., Any], work: Callable[[], Any]) -> Any:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Compiled, "__call__", call)
+        return work()
 
 
 def as_plain(self: Compiled, *args: Any) -> Any:
@@ -37,16 +46,12 @@ def as_plain(self: Compiled, *args: Any) -> Any:
         return self.plain(*args)
 
 
+def as_without(self: Compiled, *args: Any) -> Any:
+    return self.uncompiled(*args)
+
+
 def as_machine(self: Compiled, *args: Any) -> Any:
     return self.machine(*args)
-
-
-def check(work: Callable[[], Any]) -> None:
-    plain, machine = both_ways(work)
-    for one, other in zip(plain, machine, strict=True):
-        one, other = np.asarray(one), np.asarray(other)
-        assert one.dtype == other.dtype
-        assert np.array_equal(one, other)
 
 
 def table(states: int, actions: int, seed: int, share: float = 1.0) -> hb.TabularMDP:
@@ -159,14 +164,22 @@ def double(values: np.ndarray) -> int:
     return 2 * len(values)
 
 
-def test_a_function_is_compiled_once_its_calls_are_much_work_together():
+def test_a_function_is_compiled_for_much_work_at_once():
     function = Compiled(double, lambda values: len(values))
-    assert function(np.zeros(INTERPRETED // 2)) == INTERPRETED
+    assert function(np.zeros(9)) == 18
     assert function._dispatcher is None
-    assert function(np.zeros(INTERPRETED)) == 2 * INTERPRETED
+    assert function(np.zeros(INTERPRETED + 1)) == 2 * INTERPRETED + 2
+    assert function(np.zeros(9)) == 18
     assert function._dispatcher is not None
-    assert function(np.zeros(1)) == 2
-    assert function._dispatcher.signatures
+
+
+def test_a_function_is_compiled_once_its_calls_have_taken_long_together(monkeypatch):
+    clock = iter([k / 10 for k in range(100)])
+    monkeypatch.setattr("habilis.compiled.time.thread_time", lambda: next(clock))
+    function = Compiled(double, lambda values: len(values))
+    for compiled_by_then in (False, False, True):
+        assert function(np.zeros(9)) == 18
+        assert (function._dispatcher is not None) == compiled_by_then
 
 
 def test_a_function_whose_work_is_not_known_is_compiled_at_once():
@@ -211,3 +224,22 @@ def test_small_models_need_no_compiler(tmp_path):
     )
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     assert subprocess.run([sys.executable, "-c", code], env=environment).returncode == 0
+
+
+def fresh_function() -> Compiled:
+    """A function that Numba cannot have kept on disk."""
+    names: dict[str, Any] = {}
+    exec("def fresh(values):\n    return 2 * len(values)\n", names)
+    return Compiled(names["fresh"])
+
+
+@pytest.mark.parametrize(
+    ("terminal", "json", "said"),
+    [(True, False, "compiling (first use only)\n"), (True, True, ""), (False, False, "")],
+)
+def test_a_terminal_says_once_that_it_compiles(monkeypatch, capsys, terminal, json, said):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
+    with compiling_announced(Namespace(json=json)):
+        assert fresh_function()(np.zeros(3)) == fresh_function()(np.zeros(3)) == 6
+    assert fresh_function()(np.zeros(3)) == 6
+    assert capsys.readouterr().err == said

@@ -1,13 +1,13 @@
 """Functions that Numba compiles, and keeps on disk where there is a place for that.
 
 Compiling takes a second for each of them, and reading what was compiled half as long in all. So a
-function that says how much work a call is runs as plain Python until its calls have been some work
-together: a small model needs no compiler. It is the same function either way, with the same
-results.
+function that says how much work a call is runs as plain Python, or in NumPy, until its calls have
+taken some time together: a small model needs no compiler. The results are the same, to the bit.
 """
 
 import inspect
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache, update_wrapper
@@ -16,7 +16,9 @@ from typing import Any, TypeVar, cast
 import numpy as np
 
 INTERPRETED = 300_000
-"""Elementary operations up to which a function is not compiled: a quarter of a second."""
+"""Elementary operations as plain Python up to which a function is not compiled."""
+
+_SECONDS = 0.15  # that so many take
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -30,6 +32,7 @@ class Compiled:
     Attributes:
         plain: the function itself.
         operations: of a call; `None` compiles it at the first.
+        instead: runs in place of plain Python, if given.
         is_part: whether only other such functions call it.
     """
 
@@ -37,21 +40,32 @@ class Compiled:
         self,
         function: Callable[..., Any],
         operations: Operations | None = None,
+        instead: Callable[..., Any] | None = None,
         is_part: bool = False,
     ):
         self.plain: Callable[..., Any] = inspect.unwrap(function)  # tests check arguments
         update_wrapper(self, self.plain)
-        self.operations, self.is_part = operations, is_part
-        self._left = INTERPRETED
+        self.operations, self.instead, self.is_part = operations, instead, is_part
+        self._left = _SECONDS
         self._dispatcher: Any = None
 
     def __call__(self, *args: Any) -> Any:
         if self.is_part:  # of what runs as plain Python
             return self.plain(*args)
-        if self._dispatcher is None and self._small(*args):
-            with np.errstate(over="ignore"):  # hashes wrap around
-                return self.plain(*args)
-        return self.machine(*args)
+        if self._dispatcher is not None or not self._small(*args):
+            return self.machine(*args)
+        began = time.thread_time()
+        try:
+            return self.uncompiled(*args)
+        finally:
+            self._left -= time.thread_time() - began
+
+    def uncompiled(self, *args: Any) -> Any:
+        """A call without the compiler."""
+        if self.instead is not None:
+            return self.instead(*args)
+        with np.errstate(over="ignore"):  # hashes wrap around
+            return self.plain(*args)
 
     @property
     def machine(self) -> Any:
@@ -70,11 +84,12 @@ class Compiled:
     def _small(self, *args: Any) -> bool:
         if self.operations is None:
             return False
-        self._left -= self.operations(*args)
-        return self._left >= 0
+        return bool(self.operations(*args) * _SECONDS <= self._left * INTERPRETED)
 
 
-def compiled(operations: Operations | None = None) -> Callable[[Function], Function]:
+def compiled(
+    operations: Operations | None = None, instead: Callable[..., Any] | None = None
+) -> Callable[[Function], Function]:
     """Makes a function that is compiled once its calls have been much work together.
 
     The next process reads it from the disk. In an installation that is read-only, without a home
@@ -82,9 +97,10 @@ def compiled(operations: Operations | None = None) -> Callable[[Function], Funct
 
     Args:
         operations: takes the arguments of a call, and returns roughly how many elementary
-            operations it is; `None` compiles the function at its first call.
+            operations it is, at most; `None` compiles the function at its first call.
+        instead: the same in NumPy, which runs in place of plain Python.
     """
-    return lambda function: cast(Function, Compiled(function, operations))
+    return lambda function: cast(Function, Compiled(function, operations, instead))
 
 
 def part(function: Function) -> Function:

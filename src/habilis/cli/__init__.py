@@ -27,7 +27,7 @@ from habilis.cli import (
     worlds,
 )
 from habilis.cli.arguments import Args
-from habilis.cli.output import check_outputs, refuse
+from habilis.cli.output import check_outputs, compiling_announced, refuse
 from habilis.empowerment.methods import Sampled
 from habilis.extras import MissingExtraError
 
@@ -93,7 +93,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         flags, lacks = args.flags, getattr(args, "lacks", ())
         args.command = list(sys.argv[1:] if arguments is None else arguments)
         check_outputs(args)
-        status = args.verb(args)
+        with compiling_announced(args):
+            status = args.verb(args)
         sys.stdout.flush()
         return status
     except BrokenPipeError:

@@ -4,9 +4,12 @@ import json
 import sys
 from argparse import Namespace
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from habilis import compiled
 from habilis.files import check_file, check_folder, writing
 
 if TYPE_CHECKING:
@@ -59,6 +62,15 @@ def check_outputs(args: Namespace) -> None:
 def shows_progress(args: Namespace) -> bool:
     """Whether a verb draws progress bars: on a terminal, unless a machine reads what it prints."""
     return sys.stderr.isatty() and not args.json
+
+
+def compiling_announced(args: Namespace) -> AbstractContextManager[None]:
+    """Within it, a line on a terminal says so, once, when the compiler starts."""
+    if not shows_progress(args):
+        return nullcontext()
+    return compiled.compiling_announced(
+        cache(lambda: print("compiling (first use only)", file=sys.stderr))
+    )
 
 
 def console() -> "Console":

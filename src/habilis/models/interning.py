@@ -74,10 +74,19 @@ class Packing:
         return np.where(top < self.least, np.iinfo(np.int64).max, top)
 
     def packed(self, rows: Int64[np.ndarray, "n k"]) -> Int64[np.ndarray, "n words"]:
-        return _packed(rows, self.least, self.word, self.shift, self.words)
+        keys = np.zeros((len(rows), self.words), np.int64)
+        for column in range(len(self.least)):
+            field = (rows[:, column] - self.least[column]) << self.shift[column]
+            keys[:, self.word[column]] |= field
+        return keys
 
     def unpacked(self, keys: Int64[np.ndarray, "n words"]) -> Int64[np.ndarray, "n k"]:
-        return _unpacked(keys, self.least, self.bits, self.word, self.shift)
+        rows = np.empty((len(keys), len(self.least)), np.int64)
+        half = np.int64(1) << (self.bits - 1)
+        for column, mask in enumerate(half - 1 + half):
+            field = (keys[:, self.word[column]] >> self.shift[column]) & mask
+            rows[:, column] = field + self.least[column]
+        return rows
 
 
 class InternedRows:
@@ -159,7 +168,7 @@ class InternedRows:
         if not len(rows):
             return
         old = self._packing
-        least, most = _ranges(rows)
+        least, most = rows.min(axis=0), rows.max(axis=0)
         if self._count == 0:
             self._ranges = least, most
             self._packing = Packing.of(least, most)
@@ -188,44 +197,12 @@ class InternedRows:
         _fill(self._slots, self._keys, self._count, self._bits)
 
 
-@compiled(lambda rows: rows.size)
-def _ranges(rows):
-    least, most = rows[0].copy(), rows[0].copy()
-    for place in range(1, len(rows)):
-        for column in range(rows.shape[1]):
-            value = rows[place, column]
-            if value < least[column]:
-                least[column] = value
-            elif value > most[column]:
-                most[column] = value
-    return least, most
-
-
 @part
 def _pack(row, least, word, shift, key):
     for place in range(len(key)):
         key[place] = 0
     for column in range(len(row)):
         key[word[column]] |= (row[column] - least[column]) << shift[column]
-
-
-@compiled(lambda rows, *packing: 3 * rows.size)
-def _packed(rows, least, word, shift, words):
-    keys = np.empty((len(rows), words), np.int64)
-    for place in range(len(rows)):
-        _pack(rows[place], least, word, shift, keys[place])
-    return keys
-
-
-@compiled(lambda keys, least, *packing: len(keys) * len(least))
-def _unpacked(keys, least, bits, word, shift):
-    rows = np.empty((len(keys), len(least)), np.int64)
-    for column in range(len(least)):
-        mask = (np.int64(1) << (bits[column] - 1)) - 1 + (np.int64(1) << (bits[column] - 1))
-        for place in range(len(keys)):
-            field = (keys[place, word[column]] >> shift[column]) & mask
-            rows[place, column] = field + least[column]
-    return rows
 
 
 @compiled(lambda *args: 8 * args[4].size)

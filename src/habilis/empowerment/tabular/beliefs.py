@@ -233,7 +233,7 @@ def _around(
 
 def _few_steps(first, state, actions, start, horizon):
     outcomes = len(state) * actions / (len(first) - 1)
-    return 6 * min(len(state), paths(outcomes, horizon))
+    return min(len(state), paths(outcomes, horizon))
 
 
 @compiled(_few_steps)

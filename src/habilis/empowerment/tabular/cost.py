@@ -47,17 +47,22 @@ def check_effort(
             the largest horizon that fits.
     """
     successors, horizon = problem.successors, problem.horizon
-    states, actions = successors.states, successors.actions
+    actions = successors.actions
     if successors.certain:  # beliefs are states: so many are gone through, or make a channel
-        worst = np.log(max(horizon * actions, _width(problem, np.array([float(states)]))[0]))
+        worst = np.log(
+            max(horizon * actions, _width(problem, np.array([float(successors.states)]))[0])
+        )
         worst += np.log(_rows(problem))
     else:
         worst = horizon * np.log(actions)
-    worst += np.log(states) + np.log(max(len(starts), 1))
-    trifle = min(_TRIFLE * min(limits.seconds, 1.0), most_entries(limits, 1))
-    few = worst <= np.log(max(trifle, 1e-300))
-    if not len(starts) or (few and horizon <= _FORESEEN):
+    worst += np.log(max(len(starts), 1))
+    trifle = np.log(max(min(_TRIFLE * min(limits.seconds, 1.0), most_entries(limits, 1)), 1e-300))
+    if not len(starts):
         return
+    if horizon <= _FORESEEN and worst <= trifle:
+        wide = max(states_within(successors, start, horizon)[-1] for start in _probes(starts))
+        if worst + np.log(wide) <= trifle:
+            return
     effort = estimate(replace(problem, horizon=min(horizon, _FORESEEN)), starts, threads)
     fits = (effort.gib <= limits.gib) & (effort.seconds <= limits.seconds)
     fitting = int(np.argmin(fits)) - 1

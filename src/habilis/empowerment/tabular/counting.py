@@ -23,6 +23,7 @@ from habilis.empowerment.tabular.recurring import FIRST_LOOK, last_of, recurring
 
 _WORD = 64
 _FEW_WORDS = 4
+_IN_NUMPY = 50  # words united while plain Python does an operation
 _PARTS = 8  # of the starts, for each thread: they are done one after another
 _STARTS = 500  # in a part at least
 
@@ -74,9 +75,27 @@ def sets_backward(
     return recurring(step, sets, horizon, jump=jump)
 
 
-@compiled(
-    lambda next_state, sets, out, begin, end: (end - begin) * next_state.shape[1] * sets.shape[1]
-)
+def _united(
+    next_state: Int32[np.ndarray, "S A"],
+    sets: UInt64[np.ndarray, "S W"],
+    out: UInt64[np.ndarray, "S W"],
+    begin: int,
+    end: int,
+) -> bool:
+    """`unite` in NumPy: twice the time, and no compiler."""
+    union = out[begin:end]
+    union[...] = sets[next_state[begin:end, 0]]
+    for a in range(1, next_state.shape[1]):
+        union |= sets[next_state[begin:end, a]]
+    return bool((union != sets[begin:end]).any())
+
+
+def words_united(next_state, sets, out, begin, end):
+    """What `unite` costs in NumPy, in operations of plain Python."""
+    return (end - begin) * next_state.shape[1] * sets.shape[1] / _IN_NUMPY
+
+
+@compiled(words_united, _united)
 def unite(
     next_state: Int32[np.ndarray, "S A"],
     sets: UInt64[np.ndarray, "S W"],

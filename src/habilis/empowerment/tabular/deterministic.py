@@ -26,6 +26,7 @@ from habilis.empowerment.tabular.counting import (
     sets_backward,
     sizes,
     unite,
+    words_united,
 )
 from habilis.empowerment.tabular.recurring import FIRST_LOOK, repeated
 from habilis.empowerment.tabular.windows import Window, count_in_window, window_of, worth_a_window
@@ -187,8 +188,9 @@ def _rows_gib(question: Question, size: int, rows: int, besides: float = 0) -> t
 
 
 def _compile_packed(asked: Question) -> None:
-    words = -(-asked.label_count // 64)
-    if asked.table.size * words * asked.horizon > INTERPRETED:
+    words = np.empty((0, -(-asked.label_count // 64)), np.uint64)
+    step = words_united(asked.table, words, words, 0, len(asked.table))
+    if step * asked.horizon > INTERPRETED:
         _compile_union()
 
 
@@ -259,10 +261,25 @@ def neighbourhood(
 
 
 def _few_steps(table, starts, horizon):
-    return min(table.size, len(starts) * paths(table.shape[1], horizon))
+    return min(table.size, len(starts) * paths(table.shape[1], horizon)) / 10  # in NumPy
 
 
-@compiled(_few_steps)
+def _reached_in_numpy(table, starts, horizon):
+    """`_reached`, with the states of each level in order."""
+    met = np.zeros(len(table), np.bool_)
+    newest = np.unique(starts)
+    met[newest] = True
+    found, levels = [newest], [len(newest)]
+    while len(newest) and len(levels) <= horizon:
+        led = table[newest].ravel()
+        newest = np.unique(led[~met[led]]).astype(np.int64)
+        met[newest] = True
+        found.append(newest)
+        levels.append(levels[-1] + len(newest))
+    return np.concatenate(found), np.array(levels, np.int64)
+
+
+@compiled(_few_steps, _reached_in_numpy)
 def _reached(table, starts, horizon):
     states = len(table)
     met = np.zeros(states, np.bool_)
