@@ -10,7 +10,7 @@ from msgspec import inspect
 
 from habilis.studio import protocol
 from habilis.studio.protocol.answers import ANSWER_OF, Answer
-from habilis.studio.protocol.hello import Hello
+from habilis.studio.protocol.hello import Hello, Show
 
 _HERE = "<!-- the studio's messages -->"
 _PLAIN: dict[type, str] = {
@@ -39,6 +39,7 @@ def reference() -> str:
             parts += [f"Answer: {said[0].lower()}{said[1:]}"]
             parts += _table(answer, types, Answer.__struct_fields__)
     greeting = ["## Hello", _said(Hello), *_table(Hello, types)]
+    greeting += ["## Show", _said(Show), *_table(Show, types)]
     named = (line for name in sorted(types) for line in (f"### {name}", types[name]))
     return "\n\n".join([*parts, *greeting, "## Types", *named])
 

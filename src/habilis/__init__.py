@@ -18,7 +18,12 @@ from habilis.lazy import public
 
 __version__ = "0.1.0"
 
-_OPTIONAL = ("habilis.envs", "habilis.learning", "habilis.studies.reproduction.reproduce")
+_OPTIONAL = (
+    "habilis.envs",
+    "habilis.learning",
+    "habilis.studies.reproduction.reproduce",
+    "habilis.studio.embedded",
+)
 __getattr__, _names, __all__ = public(__name__, _OPTIONAL)
 
 

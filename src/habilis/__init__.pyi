@@ -32,6 +32,7 @@ from habilis.models import Model as Model
 from habilis.models import VectorModel as VectorModel
 from habilis.models import explore as explore
 from habilis.studies.reproduction.reproduce import reproduce as reproduce
+from habilis.studio.embedded import open_studio as open_studio
 from habilis.worlds import Plan as Plan
 from habilis.worlds import Tool as Tool
 from habilis.worlds import World as World

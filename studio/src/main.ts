@@ -5,6 +5,7 @@ import { FRESH, fromFragment, toFragment, type Opened } from "./core/address";
 import type { App, View } from "./core/app";
 import { connect, type Status } from "./core/connection";
 import { byId, h } from "./core/elements";
+import { createNotebook, type Notebook } from "./core/notebook";
 import { createMeasuring } from "./core/measuring";
 import type { Hello } from "./core/protocol";
 import type { Scene } from "./core/scene";
@@ -22,6 +23,7 @@ import "./style/pictures.css";
 import "./style/views.css";
 import "./style/portrait.css";
 import "./style/phone.css";
+import "./style/embedded.css";
 
 const VIEWS = ["design", "play", "train", "run"];
 const MOST_FAULTS = 5; // of a link, reported in a line
@@ -30,6 +32,7 @@ let app: App | null = null;
 let views: Record<string, View> = {};
 let status: Status = "connecting";
 let frame: Frame | null = null;
+let notebook: Notebook | null = null;
 /** Whether the address has a link that could not be shown completely: it stays until the first change. */
 let held = false;
 
@@ -37,6 +40,7 @@ const connection = connect(
   (hello) => {
     if (app === null) start(hello);
     else {
+      if (hello.shown !== null) notebook?.show(hello.shown);
       app.measuring.again();
       for (const view of Object.values(views)) view.again?.();
     }
@@ -46,6 +50,7 @@ const connection = connect(
     document.documentElement.dataset.connection = status;
     frame?.showStatus(status);
   },
+  (shown) => notebook?.show(shown),
 );
 byId("app").replaceChildren(h("p", { class: "opening" }, "Opening the studio…"));
 
@@ -54,6 +59,7 @@ function start(hello: Hello): void {
   const opened = fromFragment(location.hash, hello, VIEWS);
   const store = createStore(opened.shown?.scene ?? firstScene(hello));
   const measuring = createMeasuring(connection, store);
+  notebook = createNotebook(hello, connection, store);
   app = { hello, connection, store, measuring, watched: createWatched(hello.run) };
   views = {
     design: createDesign(app),
@@ -102,7 +108,7 @@ function address(): string {
 
 /** Updates the address bar, unless it holds a link that was not understood. */
 function keepAddress(): void {
-  if (app === null || frame === null || held) return;
+  if (app === null || frame === null || held || app.hello.shown !== null) return; // a notebook keeps its world
   history.replaceState(null, "", address());
 }
 
@@ -121,7 +127,7 @@ function firstWorld({ worlds }: Hello): string {
 }
 
 function firstScene(hello: Hello): Scene {
-  const drawn = hello.run?.drawn ?? hello.worlds[firstWorld(hello)]!;
+  const drawn = hello.shown?.drawn ?? hello.run?.drawn ?? hello.worlds[firstWorld(hello)]!;
   const world = worldOf(drawn);
   return { ...FRESH, world, bare: !world.tools.length };
 }

@@ -1,7 +1,5 @@
 """Only pages that the studio served itself may use it."""
 
-import http.client
-from contextlib import closing
 from urllib.parse import urlsplit
 
 import pytest
@@ -9,22 +7,13 @@ from websockets.exceptions import InvalidStatus
 
 from habilis.studio.proxied import base_path, origins
 from habilis.studio.security import Access, is_loopback
-from studio import page, studio
+from studio import get, page, studio
 
 
 @pytest.fixture(scope="module")
 def open_address():
     with studio("--host", "0.0.0.0") as address:
         yield address
-
-
-def get(address, path="/", host=None, **headers):
-    """Status, text and headers of a page, asked for at loopback's address."""
-    port = urlsplit(address).port
-    with closing(http.client.HTTPConnection("127.0.0.1", port)) as there:
-        there.request("GET", path, headers={"Host": host or f"127.0.0.1:{port}"} | headers)
-        answer = there.getresponse()
-        return answer.status, answer.read().decode(), dict(answer.getheaders())
 
 
 def test_the_page_may_do_nothing_with_other_hosts(address):

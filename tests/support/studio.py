@@ -1,12 +1,14 @@
 """A studio in a process of its own, and a page that talks to it."""
 
+import http.client
 import json
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import msgspec
 from websockets.sync.client import ClientConnection, connect
@@ -41,6 +43,17 @@ def page(address: str, **options: Any) -> Iterator["Page"]:
         yield Page(socket)
 
 
+def get(
+    address: str, path: str = "/", host: str | None = None, **headers: str
+) -> tuple[int, str, dict[str, str]]:
+    """Status, text and headers of a page, asked for at loopback's address."""
+    port = urlsplit(address).port
+    with closing(http.client.HTTPConnection("127.0.0.1", port)) as there:
+        there.request("GET", path, headers={"Host": host or f"127.0.0.1:{port}"} | headers)
+        answer = there.getresponse()
+        return answer.status, answer.read().decode(), dict(answer.getheaders())
+
+
 class Page:
     def __init__(self, socket: ClientConnection):
         self.socket = socket
@@ -49,6 +62,10 @@ class Page:
         msgspec.json.decode(greeting, type=Greeting)
         self.hello = json.loads(greeting)["hello"]
         self.number = 0
+
+    def shown(self) -> dict[str, Any]:
+        """The next world that a notebook sets."""
+        return json.loads(self.socket.recv())["show"]
 
     def receive(self) -> dict[str, Any]:
         """The next answer, which has no field that the protocol does not have."""

@@ -14,7 +14,7 @@ import msgspec
 from msgspec import inspect
 
 from habilis.studio.protocol.answers import ANSWER_OF
-from habilis.studio.protocol.hello import Greeting
+from habilis.studio.protocol.hello import Greeting, Show
 from habilis.studio.protocol.requests import AnyRequest
 
 ROOT = Path(__file__).parents[2]
@@ -34,7 +34,7 @@ _PLAIN: dict[type, str] = {
 
 def typescript() -> str:
     """The interfaces of all messages, and which answer belongs to which request."""
-    sent = [*dict.fromkeys(ANSWER_OF.values()), Greeting]
+    sent = [*dict.fromkeys(ANSWER_OF.values()), Greeting, Show]
     requests = list(ANSWER_OF)
     names: dict[str, str] = {}
     for struct in sent:  # the server sends every field that is not optional
@@ -54,14 +54,14 @@ def typescript() -> str:
 
 def schema() -> str:
     """The JSON Schema of requests, answers and the greeting."""
-    kinds = [AnyRequest, *dict.fromkeys(ANSWER_OF.values()), Greeting]
-    (request, *answers, greeting), parts = msgspec.json.schema_components(
+    kinds = [AnyRequest, *dict.fromkeys(ANSWER_OF.values()), Greeting, Show]
+    (request, *answers), parts = msgspec.json.schema_components(
         kinds, ref_template="#/$defs/{name}"
     )
     whole = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "The messages of the studio",
-        "anyOf": [{"title": "Request", **request}, *answers, greeting],
+        "anyOf": [{"title": "Request", **request}, *answers],
         "$defs": parts,
     }
     return json.dumps(whole, indent=1, ensure_ascii=False) + "\n"

@@ -32,6 +32,7 @@ from habilis.studio.protocol.hello import Greeting, Hello, Limits, RunAbout, Tra
 from habilis.studio.scene_requests import Pools
 from habilis.studio.scenes import Scene
 from habilis.studio.security import Access, Guard
+from habilis.studio.shared_world import SharedWorld
 from habilis.studio.training_jobs import Trainings
 from habilis.studio.training_settings import offered
 from habilis.worlds.own_tools import tool_named
@@ -59,6 +60,7 @@ class Studio:
         run: the folder of a trained run to show, and `shown`, its summary for pages.
         kept: the folder in which trainings outlive the server, if there is one.
         clients: the connected clients.
+        shared: the world that pages share with the notebook that they are embedded in.
     """
 
     access: Access
@@ -69,16 +71,19 @@ class Studio:
     shown: RunAbout | None = None
     kept: Path | None = None
     clients: set[Client] = field(default_factory=set)
+    shared: SharedWorld | None = None
 
     @cached_property
     def all_tools(self) -> tuple[str, ...]:
         return *TOOLS, *self.tools
 
-    @cached_property
     def greeting(self) -> str:
         """The greeting of a page."""
-        return msgspec.json.encode(Greeting(self._hello())).decode()
+        shown = None if self.shared is None else self.shared.shown
+        hello = msgspec.structs.replace(self._hello, shown=shown)
+        return msgspec.json.encode(Greeting(hello)).decode()
 
+    @cached_property
     def _hello(self) -> Hello:
         shapes = SHAPES | {name: drawing_of(tool_named(name)) for name in self.tools}
         return Hello(
@@ -103,6 +108,7 @@ class Studio:
             },
             run=self.shown,
             kept=None if self.kept is None else str(self.kept),
+            shown=None,
         )
 
     async def answer(self, client: Client, request: requests.Request, scene: Scene | None) -> None:
@@ -111,6 +117,9 @@ class Studio:
         match request:
             case requests.Stop():
                 await client.stop(request.id)
+                return
+            case requests.Edit() if scene is not None:
+                await client.answer(self._edited(request, scene))
                 return
             case requests.Train() if client.trainings:
                 words = "a training is in progress; stop it first"
@@ -129,6 +138,13 @@ class Studio:
             case _:
                 work = scene_requests.ANSWERS[type(request)](pools, client, request, scene)
         await client.ask(kind_of(request), request.id, work)
+
+    def _edited(self, request: requests.Edit, scene: Scene) -> Answer:
+        if self.shared is None:
+            words = "this studio is not embedded in a notebook; open one with habilis.open_studio"
+            return Answer(id=request.id, error=words)
+        self.shared.edit(scene.world, request.shown)
+        return Answer(id=request.id)
 
 
 def application(studio: Studio) -> Guard:
@@ -172,7 +188,9 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
     client = Client(send)
     studio.clients.add(client)
     try:
-        await socket.send_text(studio.greeting)
+        if studio.shared is not None:
+            studio.shared.enter(send)
+        await socket.send_text(studio.greeting())
         while True:
             message = await socket.receive()
             if message["type"] == "websocket.disconnect":
@@ -189,6 +207,8 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
         pass
     finally:
         studio.clients.discard(client)
+        if studio.shared is not None:
+            studio.shared.leave(send)
         await client.leave()
 
 
@@ -201,8 +221,7 @@ def opened(
     kept: Path | None = None,
     base: str = "/",
     trusted: Sequence[str] = (),
-    *,
-    framed: bool = False,
+    shared: SharedWorld | None = None,
 ) -> tuple[Studio, socket.socket]:
     """A studio on an address, ready to be served.
 
@@ -212,8 +231,8 @@ def opened(
         tools: names of custom tools.
         run: the folder of a trained run to show.
         kept: the folder in which to keep trainings instead.
-        base, trusted, framed: the path and the origins of a proxy, and whether a notebook may
-            frame the page; as in `Access.of`.
+        base, trusted: the path and the origins of a proxy, as in `Access.of`.
+        shared: the world of the notebook that may embed the page.
 
     Raises:
         ValueError: the address does not belong to this machine, a tool or run does not exist, a
@@ -232,8 +251,18 @@ def opened(
         kept = kept.absolute()
     Access.of(host, port, base, trusted)  # raises if path or origins are none
     found = listening(host, port)
-    access = Access.of(host, found.getsockname()[1], base, trusted, framed=framed)
-    return Studio(access, Pools.made(), Trainings(kept or folder), tools, run, shown, kept), found
+    access = Access.of(host, found.getsockname()[1], base, trusted, framed=shared is not None)
+    studio = Studio(
+        access=access,
+        pools=Pools.made(),
+        trainings=Trainings(kept or folder),
+        tools=tools,
+        run=run,
+        shown=shown,
+        kept=kept,
+        shared=shared,
+    )
+    return studio, found
 
 
 def listening(host: str, port: int) -> socket.socket:
@@ -265,6 +294,11 @@ def listening(host: str, port: int) -> socket.socket:
 
 def serve(studio: Studio, found: socket.socket) -> None:
     """Serves until interrupted."""
+    server_of(studio).run(sockets=[found])
+
+
+def server_of(studio: Studio) -> uvicorn.Server:
+    """The server of a studio."""
     config = uvicorn.Config(
         application(studio),
         log_level="error",
@@ -274,4 +308,4 @@ def serve(studio: Studio, found: socket.socket) -> None:
         timeout_graceful_shutdown=_GRACE,
         server_header=False,
     )
-    uvicorn.Server(config).run(sockets=[found])
+    return uvicorn.Server(config)

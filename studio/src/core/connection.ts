@@ -1,6 +1,6 @@
 /** The WebSocket to the server: numbered requests, and answers routed to their callers. */
 
-import type { Answer, Hello, Messages } from "./protocol";
+import type { Answer, Hello, Messages, Shown } from "./protocol";
 
 export type Status = "connecting" | "open" | "lost";
 
@@ -32,6 +32,7 @@ const LOST = "the connection to the server was lost";
 export function connect(
   onHello: (hello: Hello) => void,
   onStatus: (status: Status) => void,
+  onShow: (shown: Shown) => void,
 ): Connection {
   const listeners = new Map<number, (answer: never) => void>();
   let socket: WebSocket | null = null;
@@ -52,14 +53,18 @@ export function connect(
     };
   }
 
-  function receive(message: (Answer & { hello?: Hello }) | { hello: Hello }): void {
-    if (message.hello !== undefined) {
+  function receive(message: Answer | { hello: Hello } | { show: Shown }): void {
+    if ("show" in message) {
+      onShow(message.show);
+      return;
+    }
+    if ("hello" in message) {
       wait = FIRST_WAIT;
       onStatus("open");
       onHello(message.hello);
       return;
     }
-    const answer = message as Answer;
+    const answer = message;
     if (answer.id === null) return;
     const listener = listeners.get(answer.id) as ((answer: Answer) => void) | undefined;
     if (answer.overtaken || answer.error !== undefined) listeners.delete(answer.id);

@@ -271,6 +271,13 @@ export interface RunAbout {
   config: Record<string, unknown>;
 }
 
+/** A world that a notebook shows on the pages embedded in it. */
+export interface Shown {
+  drawn: Drawn;
+  /** How often it has set one. */
+  number: number;
+}
+
 /** The studio and its choices. */
 export interface Hello {
   version: string;
@@ -288,11 +295,18 @@ export interface Hello {
   run: RunAbout | null;
   /** The folder in which trainings outlive the studio. */
   kept: string | null;
+  /** The notebook's, of an embedded page. */
+  shown: Shown | null;
 }
 
 /** The first message. */
 export interface Greeting {
   hello: Hello;
+}
+
+/** A message without a request: a notebook has set another world. */
+export interface Show {
+  show: Shown;
 }
 
 /** A message of a page. */
@@ -390,6 +404,14 @@ export interface Train extends Request {
   settings: Settings;
 }
 
+/** The scene's world, edited on an embedded page, for the notebook. It has an empty answer. */
+export interface Edit extends Request {
+  do: "edit";
+  scene: Scene;
+  /** The number of the notebook's world that it was made of. */
+  shown: number;
+}
+
 /** Ends the training that has this id, and keeps its progress. It has no answer of its own. */
 export interface Stop extends Request {
   do: "stop";
@@ -426,6 +448,7 @@ export interface Messages {
   solve: { request: Solve; answer: SolveAnswer };
   step: { request: Step; answer: StepAnswer };
   train: { request: Train; answer: TrainAnswer };
+  edit: { request: Edit; answer: Answer };
   stop: { request: Stop; answer: Answer };
   trainings: { request: Trainings; answer: TrainingsAnswer };
   curve: { request: Curve; answer: CurveAnswer };

@@ -208,6 +208,7 @@ ANSWER_OF: dict[type[requests.Request], type[Answer]] = {
     requests.Solve: SolveAnswer,
     requests.Step: StepAnswer,
     requests.Train: TrainAnswer,
+    requests.Edit: Answer,
     requests.Stop: Answer,
     requests.Trainings: TrainingsAnswer,
     requests.Curve: CurveAnswer,

@@ -72,6 +72,13 @@ class RunAbout(Struct, frozen=True):
     config: dict[str, Any]
 
 
+class Shown(Struct, frozen=True):
+    """A world that a notebook shows on the pages embedded in it."""
+
+    drawn: Drawn
+    number: Annotated[int, Meta(description="how often it has set one")]
+
+
 class Hello(Struct, frozen=True):
     """The studio and its choices."""
 
@@ -89,9 +96,16 @@ class Hello(Struct, frozen=True):
     kept: Annotated[
         str | None, Meta(description="the folder in which trainings outlive the studio")
     ]
+    shown: Annotated[Shown | None, Meta(description="the notebook's, of an embedded page")]
 
 
 class Greeting(Struct, frozen=True):
     """The first message."""
 
     hello: Hello
+
+
+class Show(Struct, frozen=True):
+    """A message without a request: a notebook has set another world."""
+
+    show: Shown

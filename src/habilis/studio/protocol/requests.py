@@ -80,6 +80,15 @@ class Train(Request, frozen=True, kw_only=True, tag="train"):
     settings: Settings
 
 
+class Edit(Request, frozen=True, kw_only=True, tag="edit"):
+    """The scene's world, edited on an embedded page, for the notebook. It has an empty answer."""
+
+    scene: Scene
+    shown: Annotated[
+        Index, Meta(description="the number of the notebook's world that it was made of")
+    ]
+
+
 class Stop(Request, frozen=True, kw_only=True, tag="stop"):
     """Ends the training that has this id, and keeps its progress. It has no answer of its own."""
 
@@ -109,5 +118,16 @@ class Run(Request, frozen=True, kw_only=True, tag="run"):
 
 
 AnyRequest = (
-    Read | Measure | Landscape | Futures | Solve | Step | Train | Stop | Trainings | Curve | Run
+    Read
+    | Measure
+    | Landscape
+    | Futures
+    | Solve
+    | Step
+    | Train
+    | Edit
+    | Stop
+    | Trainings
+    | Curve
+    | Run
 )
