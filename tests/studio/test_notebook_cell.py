@@ -12,7 +12,7 @@ from typing import Any
 import nbformat
 import pytest
 from nbclient import NotebookClient
-from playwright.sync_api import Browser, FrameLocator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, FrameLocator, Locator, Page, expect, sync_playwright
 from studio_page import CHROMIUM, LANDSCAPE, OPTIONS, STUCK, WORLD, keep_picture
 
 from habilis.worlds.world import load_world
@@ -72,7 +72,7 @@ class Notebook(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(f"<!doctype html><body>{self.html}</body>".encode())
 
-    def log_message(self, *_: Any) -> None:
+    def log_message(self, format: str, *_: Any) -> None:
         pass
 
 
@@ -84,6 +84,12 @@ def opened(page: Page, html: str, name: str) -> FrameLocator:
     server.shutdown()
     server.server_close()
     return page.frame_locator("iframe")
+
+
+def middle(place: Locator) -> tuple[float, float]:
+    box = place.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
 def waited(page: Page, kernel: Kernel, expression: str, value: str) -> None:
@@ -105,14 +111,13 @@ def test_edits_come_back_and_what_the_notebook_sets_is_shown(kernel: Kernel, bro
     frame = opened(page, html, "localhost")
     expect(frame.locator(f"{LANDSCAPE}[data-pending=false]")).to_be_visible(timeout=STUCK)
     expect(frame.locator("#share")).to_be_hidden()
-    assert page.locator("iframe").bounding_box()["height"] == 640
+    assert page.locator("iframe").evaluate("frame => frame.clientHeight") == 640
     keep_picture(page, "notebook")
 
-    boxes = [frame.locator(f"{WORLD}-{r}-{c}").bounding_box() for r, c in (YARD.object, (5, 4))]
-    points = [(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for box in boxes]
-    page.mouse.move(*points[0])
+    page.mouse.move(*middle(frame.locator(f"{WORLD}-8-3")))
+    assert YARD.object == (8, 3)
     page.mouse.down()
-    page.mouse.move(*points[1], steps=5)
+    page.mouse.move(*middle(frame.locator(f"{WORLD}-5-4")), steps=5)
     page.mouse.up()
     waited(page, kernel, "studio.world.object", "(5, 4)")
     assert kernel.value("studio.world") == repr(YARD.with_cells(object=(5, 4)))
