@@ -16,8 +16,8 @@ from habilis.benchmarks import Result
 
 _PUZZLE = """\
 A  .  .  .  .  .
-.  M1 M1 .  M2 .
-.  M0 .  M2 M2 G0
+.  M1 M1 .  .  .
+.  M0 .  .  .  G0
 .  .  .  W  .  .
 """
 _COMMANDS = (
