@@ -258,7 +258,7 @@ def refused(verb: str, out: Path, capsys: pytest.CaptureFixture, monkeypatch) ->
 
 
 def test_every_verb_that_writes_is_tried_here():
-    helps = {"worlds": [], "bench": [], "solve": ["yard"]}
+    helps = {"worlds": [], "bench": [], "completion": ["bash"], "solve": ["yard"]}
     for verb in VERB_MODULES:
         words = next((words for name, words in VERBS.items() if name.split()[0] == verb), None)
         known = [verb, *helps.get(verb, [])] if words is None else [*words, "x"]

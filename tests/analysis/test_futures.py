@@ -13,7 +13,7 @@ from labels import labels_on
 from slow_channels import divergences
 
 import habilis as hb
-from habilis.analysis.futures import futures, futures_figure, sequence_text
+from habilis.analysis.futures import arrows_legend, futures, futures_figure, sequence_text
 from habilis.cli import main
 from habilis.empowerment.tabular.open_loop import exact, problem_of
 from habilis.mdp import TabularMDP
@@ -198,3 +198,19 @@ def test_futures_say_how_many_of_their_actions_are_done():
             lambda done, known, reported=reported: reported.append((done, known)),
         )
         assert reported == [(1, 3), (2, 3), (3, 3)]
+
+
+@pytest.mark.parametrize(
+    ("world", "legend"),
+    [
+        ("yard", "↑→↓← move the agent, ⇑⇒⇓⇐ put the tool on that side of it"),
+        ("drop: true\nT = rake\nA.T\n.C.\n..G\n", "↧ puts it down"),
+    ],
+)
+def test_arrows_have_a_legend(world: str, legend: str):
+    found = hb.load_world(world) if world == "yard" else hb.World.parse(world)
+    assert arrows_legend(hb.tabulate(found)).endswith(legend)
+
+
+def test_actions_with_names_need_no_legend():
+    assert arrows_legend(hb.TabularMDP.deterministic([[0, 1], [1, 0]])) == ""

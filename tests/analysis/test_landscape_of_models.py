@@ -51,5 +51,5 @@ def test_what_has_no_landscape_is_refused():
         hb.landscape(Dark(), 2)
     with pytest.raises(ValueError, match="has no landscape: it needs a factor 'agent'"):
         hb.landscape(hb.TabularMDP.deterministic([[0]]), 1)
-    with pytest.raises(ValueError, match="Room is no map; leave out tool, object and mdp"):
+    with pytest.raises(ValueError, match="Room is not a map; leave out tool, object and mdp"):
         hb.landscape(Room(), 1, tool=(0, 0))

@@ -95,7 +95,7 @@ def test_pictures_and_tables_are_written_in_one_go(capsys, room, tmp_path):
     picture, table = tmp_path / "pairs.svg", tmp_path / "pairs.csv"
     arguments = ["compare", room, "--pairs", "--horizon", "2"]
     assert main([*arguments, "--out", str(picture), "--out", str(table)]) == 0
-    assert f"written: {picture}\nwritten: {table}\n" in capsys.readouterr().out
+    assert f"written to {picture}\nwritten to {table}\n" in capsys.readouterr().out
     for path in (picture, table):
         expected = tmp_path / f"expected{path.suffix}"
         pairs(hb.load_world(room), 2).save(expected)

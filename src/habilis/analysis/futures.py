@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 _EXACT = Exact()
 _UNUSED = 1e-9  # sequences with less probability are left out
-_ARROWS = ("↑", "→", "↓", "←", "⇑", "⇒", "⇓", "⇐", "↧")
+_ARROWS = "↑→↓←⇑⇒⇓⇐↧"
 _MOST = 12  # sequences shown
 _DPI, _GAP, _HEAD, _FOOT, _BARS = 96, 24, 56, 48, 210  # pixels
 _ACTION, _SEQUENCE = 9, 110  # pixels of an action, and at least of a sequence
@@ -217,6 +217,7 @@ def futures_figure(
         f"{found.empowerment:.3f} {found.unit}, {len(found.observations)} cells",
         fontsize=11,
     )
+    figure.text(0.5, 1 - 44 / height, arrows_legend(mdp), ha="center", fontsize=8)
     return figure
 
 
@@ -232,8 +233,26 @@ def _draw_sequences(ax: "Axes", labels: Sequence[str], found: Futures) -> None:
 
 def sequence_text(mdp: TabularMDP, sequence: np.ndarray) -> str:
     """A sequence of actions in arrows for a world or a puzzle, else by names or numbers."""
-    if mdp.shape is not None and mdp.actions == PUZZLE_ACTIONS:
-        return "".join("←→↑↓"[action] for action in sequence)
-    if mdp.shape is not None and mdp.actions[:1] == ("north",):
-        return "".join(_ARROWS[action] for action in sequence)
+    if arrows := _arrows(mdp):
+        return "".join(arrows[action] for action in sequence)
     return " ".join(mdp.actions[a] if mdp.actions else str(a) for a in sequence)
+
+
+def arrows_legend(mdp: TabularMDP) -> str:
+    """A legend of the arrows in `sequence_text`; "" where there are none."""
+    arrows = _arrows(mdp)
+    parts = [
+        (arrows[:4], "move the agent"),
+        (arrows[4:8], "put the tool on that side of it"),
+        (arrows[8:], "puts it down"),
+    ]
+    return ", ".join(f"{some} {what}" for some, what in parts if some)
+
+
+def _arrows(mdp: TabularMDP) -> str:
+    """An arrow for each action of a world or a puzzle."""
+    if mdp.shape is not None and mdp.actions == PUZZLE_ACTIONS:
+        return "←→↑↓"
+    if mdp.shape is not None and mdp.actions[:1] == ("north",):
+        return _ARROWS[: len(mdp.actions)]
+    return ""

@@ -184,7 +184,7 @@ def landscape(
         mdp = mdp.slippery(slip)
     else:
         if tool is not None or object is not None or mdp is not None:
-            raise ValueError(f"{type(model).__name__} is no map; leave out tool, object and mdp")
+            raise ValueError(f"{type(model).__name__} is not a map; leave out tool, object and mdp")
         shown, mdp, states = asked_of_model(model, show)
         mdp = mdp.slippery(slip)
     values = np.full(shown.height * shown.width, np.nan)

@@ -12,6 +12,7 @@ import habilis
 from habilis.cli import (
     bench,
     compare,
+    completion,
     empowerment,
     futures,
     landscape,
@@ -38,10 +39,12 @@ class Verb(Protocol):
     Attributes:
         HELP: what it does, in half a sentence.
         EXAMPLE: a command that runs.
+        COMMON: its options that are used most, in the order in which the help has them.
     """
 
     HELP: str
     EXAMPLE: str
+    COMMON: tuple[str, ...]
 
     def add_arguments(self, parser: argparse.ArgumentParser, /) -> None:
         """Adds its arguments."""
@@ -67,6 +70,7 @@ VERBS: dict[str, Verb] = {
     "reconstruct": reconstruct,
     "studio": studio,
     "bench": bench,
+    "completion": completion,
 }
 
 _ABOUT = "Exact empowerment of finite MDPs, tool-use worlds, and agents that learn with it."
@@ -76,6 +80,7 @@ _IN_PYTHON = (
 )
 """Arguments that errors of the library name; a verb may have an option for them or not."""
 _QUOTES = "'[]"
+_USAGE_WIDTH = 72  # after "usage: "
 _METHOD = re.compile(r"hb\.(\w+)\(\)")  # as errors of the library name one
 
 
@@ -145,26 +150,59 @@ class _VerbParser(_Parser):
     pending: Verb | None = None
 
     def format_help(self) -> str:
-        self._add_arguments()
+        self.complete_now()
         return super().format_help()
 
-    def _add_arguments(self) -> None:
+    def complete_now(self) -> None:
+        """Adds the arguments of the verb, unless it has them."""
         if self.pending is None:
             return
         verb, self.pending = self.pending, None
         self.add_argument("--json", action="store_true", help="print JSON, for machines")
         verb.add_arguments(self)
+        self._put_first(verb.COMMON)
         flags = {a.dest: a.option_strings[0] for a in self._actions if a.option_strings}
         self.set_defaults(verb=verb.run, flags=flags)
+
+    def _put_first(self, common: Sequence[str]) -> None:
+        """Has the help begin with the common options, and name no others in its first line."""
+        places = {flag: place for place, flag in enumerate(common)}
+        general = {"--help": 1, "--json": 1}
+
+        def place(action: argparse.Action) -> tuple[int, int]:
+            flag = action.option_strings[-1] if action.option_strings else ""
+            return general.get(flag, 0), places.get(flag, len(places))
+
+        options = self._optionals._group_actions
+        options.sort(key=place)
+        shown = [action for action in options if place(action)[1] < len(places)]
+        words = [_usage(action) for action in (*self._positionals._group_actions, *shown)]
+        lines = [self.prog]
+        for word in (*words, "[options]"):
+            if len(lines[-1]) + 1 + len(word) > _USAGE_WIDTH:
+                lines.append(" " * len(self.prog))
+            lines[-1] += f" {word}"
+        self.usage = "\n       ".join(lines)
 
     def parse_known_args(  # pyright: ignore[reportIncompatibleMethodOverride]
         self, args: Any = None, namespace: Any = None
     ) -> Any:
-        self._add_arguments()
+        self.complete_now()
         found, others = super().parse_known_args(args, namespace)
         if others:
             self.error(f"unrecognized arguments: {' '.join(others)}")
         return found, []
+
+
+def _usage(action: argparse.Action) -> str:
+    """An argument or an option as the first line of the help has it."""
+    value = action.metavar or action.dest.upper()
+    if not action.option_strings:
+        return {"?": f"[{value}]", "*": f"[{value} ...]", "+": f"{value} ..."}.get(
+            str(action.nargs), str(value)
+        )
+    text = action.option_strings[-1] + (f" {value}" if action.nargs != 0 else "")
+    return text if action.required else f"[{text}]"
 
 
 def in_flags(message: str, flags: Mapping[str, str], lacks: Collection[str] = ()) -> str:

@@ -33,7 +33,7 @@ def add_measure(parser: argparse.ArgumentParser) -> None:
     sensor = "state, agent, tool, object, one of several as object:can, or a sum or product of "
     sensor += "values as 'object:can + object:ball', 'object:can * object:ball' (default state)"
     parser.add_argument("--sensor", default="state", help=sensor)
-    parser.add_argument("--horizon", type=int, required=True, help="number of actions")
+    parser.add_argument("--horizon", type=int, required=True, metavar="H", help="number of actions")
     parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
     add_slip(parser)
 

@@ -7,6 +7,7 @@ from habilis.cli.output import print_json
 
 HELP: str = "measure speed next to the alternatives"
 EXAMPLE: str = "habilis bench empowerment"
+COMMON: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

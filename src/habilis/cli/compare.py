@@ -18,7 +18,7 @@ from habilis.cli.arguments import (
     measure_options,
     parse_words,
 )
-from habilis.cli.output import lower_bounds, print_json, save, shows_progress
+from habilis.cli.output import lower_bounds, print_json, print_written, save, shows_progress
 from habilis.cli.puzzles import puzzle_of
 from habilis.files import PICTURES, TABLES
 from habilis.progress import progress_bar
@@ -34,6 +34,7 @@ _PAIRS_HORIZON = 6
 
 HELP: str = "average object empowerment with each tool, and without; or which movable is the tool"
 EXAMPLE: str = "habilis compare yard --tools picker,broom,none --horizon 3"
+COMMON: tuple[str, ...] = ("--horizon", "--tools", "--pairs")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -191,7 +192,7 @@ def _run_pairs(args: Args) -> int:
     heads += [f"h = {h}" for h in range(1, found.horizon + 1)]
     _print_table([heads, *_lines(found)])
     for path in args.out:
-        print(f"written: {path}")
+        print_written(path)
     return 0
 
 

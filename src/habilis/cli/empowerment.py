@@ -16,7 +16,7 @@ from habilis.cli.arguments import (
     max_states,
     measure_options,
 )
-from habilis.cli.output import lower_bounds, print_json, shows_progress
+from habilis.cli.output import lower_bounds, print_json, print_written, shows_progress
 from habilis.cli.puzzles import puzzle_of
 from habilis.extras import import_from
 from habilis.files import TABLES
@@ -25,6 +25,7 @@ from habilis.worlds.world import ENVIRONMENT, load_world
 
 HELP: str = "compute the empowerment of every state"
 EXAMPLE: str = "habilis empowerment corridor --sensor object --horizon 6 --out bits.csv"
+COMMON: tuple[str, ...] = ("--horizon", "--sensor", "--out")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -80,7 +81,7 @@ def run(args: Args) -> int:
         style = {"states": ",", "gap": ".2g"}.get(name, ".4f")
         print(f"{name:>14}  {value:{style}}")
     if args.out is not None:
-        print(f"values of {'the first state' if args.start else 'all states'}: {args.out}")
+        print_written(args.out)
     return 0
 
 

@@ -20,7 +20,7 @@ from habilis.cli.arguments import (
     measure_options,
     parse_cell,
 )
-from habilis.cli.output import print_json, save, shows_progress
+from habilis.cli.output import print_json, print_written, save, shows_progress
 from habilis.cli.puzzles import placed, puzzle_of
 from habilis.files import PICTURES
 from habilis.progress import progress_bar
@@ -30,6 +30,7 @@ from habilis.worlds.world import World, load_world
 
 HELP: str = "the distinguishable action sequences, from the map's start"
 EXAMPLE: str = "habilis futures yard --sensor object --horizon 3 --agent-at 8,5 --tool-at 8,4"
+COMMON: tuple[str, ...] = ("--horizon", "--sensor", "--out")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,8 +49,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Args) -> int:
+    from habilis.analysis.futures import arrows_legend, futures_figure, sequence_text
     from habilis.analysis.futures import futures as measure
-    from habilis.analysis.futures import futures_figure, sequence_text
 
     world, mdp = _around(args)
     cells = [name for name in mdp.factors if mdp.is_cell(name)]
@@ -86,13 +87,15 @@ def run(args: Args) -> int:
     count = len(found.observations)
     possible = f"{count} possible observation{'s' if count > 1 else ''}"
     print(f"{found.empowerment:.4f} {found.unit}, {possible}")
+    if legend := arrows_legend(mdp):
+        print(legend)
     shown = list(zip(found.probability, found.sequences, strict=True))
     for probability, sequence in shown[:20]:
         print(f"{probability:8.2%}  {sequence_text(mdp, sequence)}")
     if len(shown) > 20:
         print(f"          and {len(shown) - 20} more sequences")
     if args.out is not None:
-        print(f"picture: {args.out}")
+        print_written(args.out)
     return 0
 
 

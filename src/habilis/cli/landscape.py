@@ -15,7 +15,7 @@ from habilis.cli.arguments import (
     cells_of,
     measure_options,
 )
-from habilis.cli.output import print_json, save, shows_progress
+from habilis.cli.output import print_json, print_written, save, shows_progress
 from habilis.cli.puzzles import placed, puzzle_of
 from habilis.files import PICTURES, TABLES
 from habilis.progress import progress_bar
@@ -23,6 +23,7 @@ from habilis.worlds.world import load_world
 
 HELP: str = "empowerment for every agent cell, everything else as on the map"
 EXAMPLE: str = "habilis landscape corridor --sensor object --horizon 6 --out landscape.png"
+COMMON: tuple[str, ...] = ("--horizon", "--sensor", "--out")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -63,5 +64,5 @@ def run(args: Args) -> int:
     for row in found.values:
         print(" ".join("    ." if np.isnan(value) else f"{value:5.2f}" for value in row))
     if args.out is not None:
-        print(f"written: {args.out}")
+        print_written(args.out)
     return 0

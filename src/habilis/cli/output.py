@@ -38,6 +38,11 @@ def save(path: Path, write: Callable[[Path], Any]) -> None:
         write(path)
 
 
+def print_written(path: Path | str) -> None:
+    """Says where a result is."""
+    print(f"written to {path}")
+
+
 def lower_bounds(args: Namespace) -> str:
     """The prefix of sampled values."""
     return "lower bounds on " if args.method == "sampled" else ""

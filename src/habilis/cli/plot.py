@@ -4,13 +4,14 @@ import argparse
 from pathlib import Path
 
 from habilis.cli.arguments import Args
-from habilis.cli.output import print_json, save, shows_progress
+from habilis.cli.output import print_json, print_written, save, shows_progress
 from habilis.extras import import_from
 from habilis.files import PICTURES, check_file
 from habilis.progress import progress_bar
 
 HELP: str = "draw learning curves with intervals, of one or several runs"
 EXAMPLE: str = "habilis plot runs/none runs/toe --out curves.svg"
+COMMON: tuple[str, ...] = ("--out", "--value", "--x")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -75,5 +76,5 @@ def run(args: Args) -> int:
         )
     for label, curve in drawn.items():
         print(f"{label}: {curve.text()}")
-    print(f"picture: {out}")
+    print_written(out)
     return 0

@@ -10,6 +10,7 @@ HELP: str = (
     "search for maps that meet stated numbers, because the paper's own maps are not available"
 )
 EXAMPLE: str = "habilis reconstruct corridor --count 6 --seed 0 --out maps"
+COMMON: tuple[str, ...] = ("--count", "--seed", "--out")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -10,11 +10,12 @@ from habilis.files import FOLDER
 
 HELP: str = "recompute the paper: every table, figure and number"
 EXAMPLE: str = "habilis reproduce --out paper"
+COMMON: tuple[str, ...] = ("--out", "--quick")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
-    parser.add_argument("--quick", action="store_true", help="few runs and episodes, 3 minutes")
+    parser.add_argument("--quick", action="store_true", help="few runs and episodes, a minute")
     parser.set_defaults(writes={"out": FOLDER})
 
 

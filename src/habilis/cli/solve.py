@@ -13,6 +13,7 @@ from habilis.worlds.world import load_world
 
 HELP: str = "find a shortest plan"
 EXAMPLE: str = "habilis solve corridor --tool none"
+COMMON: tuple[str, ...] = ("--tool", "--max-states")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -15,6 +15,7 @@ from habilis.files import FOLDER
 
 HELP: str = "draw worlds in a browser and see their empowerment live"
 EXAMPLE: str = "habilis studio --port 8000"
+COMMON: tuple[str, ...] = ("--port", "--tool", "--out")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

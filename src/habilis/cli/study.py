@@ -4,13 +4,14 @@ import argparse
 from pathlib import Path
 
 from habilis.cli.arguments import Args
-from habilis.cli.output import print_json, refuse, shows_progress
+from habilis.cli.output import print_json, print_written, refuse, shows_progress
 from habilis.extras import import_from
 from habilis.files import FOLDER
 from habilis.progress import progress_bar
 
 HELP: str = "train agents in worlds with several tools, objects or placements, and compare rewards"
 EXAMPLE: str = "habilis study choosing two-goals unseen --out studies"
+COMMON: tuple[str, ...] = ("--out", "--resume", "--quick")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,5 +43,5 @@ def run(args: Args) -> int:
         print(f"{answer.study.title} ({answer.study.name})")
         for line in answer.outcome:
             print(f"  {line}")
-    print(f"report: {args.out / studies.PAGE}")
+    print_written(args.out / studies.PAGE)
     return 0

@@ -10,6 +10,7 @@ from habilis.files import FOLDER
 
 HELP: str = "train a grid of configurations, or search for the best"
 EXAMPLE: str = "habilis sweep SPEC.toml --out sweeps/beta"
+COMMON: tuple[str, ...] = ("--out", "--resume", "--processes")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

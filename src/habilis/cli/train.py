@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from habilis.cli.arguments import Args, add_world
-from habilis.cli.output import print_json, refuse
+from habilis.cli.output import print_json, print_written, refuse
 from habilis.extras import import_from
 from habilis.files import FOLDER
 
 HELP: str = "train agents, with empowerment in the reward or without"
 EXAMPLE: str = "habilis train corridor --intrinsic object --horizon 6 --beta 0.07 --out runs/toe"
+COMMON: tuple[str, ...] = ("--out", "--intrinsic", "--horizon", "--beta")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,5 +68,6 @@ def run(args: Args) -> int:
     if args.json:
         return print_json(summary)
     mean = f", after {summary['mean_episodes']:,.0f} episodes on average" if finished else ""
-    print(f"{len(finished)} of {config.runs} runs converged{mean}; see {args.out}")
+    print(f"{len(finished)} of {config.runs} runs converged{mean}")
+    print_written(args.out)
     return 0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from habilis.cli.arguments import Args, parse_positive
-from habilis.cli.output import console, print_json, save, shows_progress
+from habilis.cli.output import console, print_json, print_written, save, shows_progress
 from habilis.extras import import_from
 from habilis.files import VIDEOS
 from habilis.mdp import TabularMDP
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 HELP: str = "replay a trained agent"
 EXAMPLE: str = "habilis watch runs/toe --run 2 --gif toe.gif"
+COMMON: tuple[str, ...] = ("--run", "--gif", "--speed")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -94,7 +95,7 @@ def run(args: Args) -> int:
         word, whole = ("from", "the starts trained from") if several else ("in", "all episodes")
         print(f"reaches the goal {word} {shares.seen:.0%} of {whole}{unseen}")
     for path, _ in videos:
-        print(f"video: {path}")
+        print_written(path)
     return 0 if episode.finished else 1
 
 

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from habilis.cli.arguments import Args, add_tool
-from habilis.cli.output import console, print_json, save, shows_progress
+from habilis.cli.output import console, print_json, print_written, save, shows_progress
 from habilis.cli.puzzles import puzzle_of
 from habilis.files import PICTURES
 from habilis.progress import progress_bar
@@ -12,6 +12,7 @@ from habilis.worlds.world import World, load_world, world_names
 
 HELP: str = "list the built-in worlds, or draw one"
 EXAMPLE: str = "habilis worlds yard --tool broom"
+COMMON: tuple[str, ...] = ("--tool", "--out")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -59,4 +60,6 @@ def run(args: Args) -> int:
         for line in world.header:
             print(line)
     console().print(colored_text(world), soft_wrap=puzzle is not None)
+    if args.out is not None:
+        print_written(args.out)
     return 0

@@ -9,6 +9,8 @@ from rich.progress import Progress as Bars
 
 from habilis.learning.runs import Progress
 
+_BAR, _LABEL = 20, 24  # columns of a bar, and of what is beside it at most
+
 
 @contextmanager
 def progress_bars(labels: Sequence[str]) -> Iterator[Callable[[Progress], None]]:
@@ -21,16 +23,19 @@ def progress_bars(labels: Sequence[str]) -> Iterator[Callable[[Progress], None]]
     """
     columns = (
         TextColumn("{task.description}"),
-        BarColumn(bar_width=20),
+        BarColumn(bar_width=_BAR),
         TextColumn("{task.fields[text]}"),
     )
     console = Console(stderr=True)
     bars = Bars(*columns, console=console, disable=not console.is_terminal)
-    tasks = [bars.add_task(label, total=1.0, text="waiting") for label in labels]
+    short = [label if len(label) <= _LABEL else f"...{label[3 - _LABEL :]}" for label in labels]
+    tasks = [bars.add_task(label, total=1.0, text="waiting") for label in short]
+    beside = max(map(len, short), default=0) + _BAR + 3
 
     def show(progress: Progress) -> None:
         bars.start()
-        bars.update(tasks[progress.config], completed=progress.share, text=_text(progress))
+        text = _text(progress, console.width - beside)
+        bars.update(tasks[progress.config], completed=progress.share, text=text)
 
     try:
         yield show
@@ -39,12 +44,20 @@ def progress_bars(labels: Sequence[str]) -> Iterator[Callable[[Progress], None]]
             bars.stop()
 
 
-def _text(p: Progress) -> str:
+def _text(p: Progress, width: int) -> str:
+    """As much as a line has room for beside the bar: the least important parts are left out."""
     left = "done" if p.ended == p.runs else f"at most {_clock(p.seconds_left)} left"
-    return (
-        f"{p.episodes:,.0f} episodes, return {p.episode_return:.1f}, "
-        f"{p.converged}/{p.runs} converged, {p.steps_per_second / 1e3:,.0f}k steps/s, {left}"
-    )
+    parts = {
+        "episodes": f"{p.episodes:,.0f} episodes",
+        "return": f"return {p.episode_return:.1f}",
+        "converged": f"{p.converged}/{p.runs} converged",
+        "speed": f"{p.steps_per_second / 1e3:,.0f}k steps/s",
+        "left": left,
+    }
+    for dropped in ("speed", "episodes", "return", "converged"):
+        if len(", ".join(parts.values())) > width:
+            del parts[dropped]
+    return ", ".join(parts.values())
 
 
 def _clock(seconds: float) -> str:

@@ -67,7 +67,7 @@ def show(result: dict[str, Any]) -> None:
     console.print(table)
     if "best" in result:
         print(f"the best is point {result['best']}")
-    print(f"all results: {result['out']}")
+    print(f"written to {result['out']}")
 
 
 def _shown(value: Any) -> str:

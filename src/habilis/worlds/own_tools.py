@@ -135,7 +135,7 @@ def _run(place: str, path: Path, source: bytes) -> ModuleType:
     before = sys.modules.get(place)
     sys.modules[place] = module  # where dataclasses, for one, look for a class's module
     try:
-        with _importing_from(path.parent):
+        with importing_from(path.parent):
             exec(compile(source, str(path), "exec"), vars(module))
     except (Exception, SystemExit) as error:
         sys.modules.pop(place)
@@ -147,7 +147,7 @@ def _run(place: str, path: Path, source: bytes) -> ModuleType:
 
 def _imported(place: str) -> ModuleType:
     try:
-        with _importing_from(Path.cwd()):
+        with importing_from(Path.cwd()):
             return import_module(place)
     except (Exception, SystemExit) as error:
         raise ValueError(
@@ -157,8 +157,8 @@ def _imported(place: str) -> ModuleType:
 
 
 @contextmanager
-def _importing_from(folder: Path) -> Iterator[None]:
-    """Lets a file import those beside it, while it is run."""
+def importing_from(folder: Path) -> Iterator[None]:
+    """Lets a file import those beside it, or a module be found there, within it."""
     sys.path.insert(0, str(folder))
     try:
         yield

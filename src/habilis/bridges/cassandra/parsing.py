@@ -203,7 +203,7 @@ def _belief(words: Words, states: Names) -> Float64[np.ndarray, "S"]:
     belief = words.numbers(count, "start")
     if (belief < 0).any() or abs(belief.sum() - 1) > ROUNDING:
         raise words.error(
-            f"start is no distribution: it sums to {belief.sum():.8g}, its least entry is "
+            f"start is not a distribution: it sums to {belief.sum():.8g}, its least entry is "
             f"{belief.min():g}; correct it",
             line,
         )

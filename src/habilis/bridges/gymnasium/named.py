@@ -2,14 +2,17 @@
 
 import ast
 import json
+import traceback
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 from urllib.parse import unquote_plus
 
 import gymnasium
 
 from habilis.mdp import TabularMDP
+from habilis.worlds.own_tools import importing_from
 
 
 def table_named(
@@ -22,7 +25,8 @@ def table_named(
 
     Args:
         name: its ID, with its arguments as in `FrozenLake-v1?map_name=8x8&is_slippery=false`; a
-            package that registers it is named before it: `minigrid:MiniGrid-DoorKey-5x5-v0`.
+            module that registers it is named before it, one of a package or of the working
+            directory: `minigrid:MiniGrid-DoorKey-5x5-v0`.
         max_states: as in `TabularMDP.from_gymnasium`, and by default as many.
         ignore: as there.
         show_progress: whether to draw a progress bar.
@@ -60,17 +64,31 @@ def _made(identity: str, arguments: dict[str, Any]) -> gymnasium.Env:
     environment on the command line means that one.
     """
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), importing_from(Path.cwd()):
             warnings.simplefilter("ignore")
             return gymnasium.make(identity, **arguments)
-    except (gymnasium.error.Error, ImportError, TypeError, ValueError, KeyError) as error:
-        reason = str(error).splitlines()[0] if str(error) else ""
+    except (Exception, SystemExit) as error:  # a module of the user's own may fail in any way
+        said = error.msg if isinstance(error, SyntaxError) else str(error)
+        reason = said.partition("\n")[0]
         if not isinstance(error, gymnasium.error.Error):  # a KeyError says no more than the key
             reason = f"{type(error).__name__}: {reason}" if reason else type(error).__name__
+            reason += _place(error)
         raise ValueError(
             f"gym:{identity} cannot be made ({reason}); "
             "give a registered environment and its own arguments, as gym:FrozenLake-v1?map_name=8x8"
         ) from None
+
+
+def _place(error: BaseException) -> str:
+    """Where in the working directory an error comes from, if it comes from there."""
+    file, line = None, None
+    if isinstance(error, SyntaxError):
+        file, line = error.filename, error.lineno
+    elif frames := traceback.extract_tb(error.__traceback__):
+        file, line = frames[-1].filename, frames[-1].lineno
+    if file is None or Path(file).resolve().parent != Path.cwd().resolve():
+        return ""
+    return f", {Path(file).name}, line {line}"
 
 
 def _arguments(identity: str, query: str) -> dict[str, Any]:

@@ -80,7 +80,7 @@ def _rows(P: Any, state: int, action: int) -> list[tuple[float, int, float, bool
     except (KeyError, IndexError, TypeError):
         raise ValueError(
             f"P has no list of outcomes for state {state} and action {action}; give "
-            f"P[state][action] = [{_OUTCOME}] for each, or state=(save, load) if P is no table"
+            f"P[state][action] = [{_OUTCOME}] for each, or state=(save, load) if P is not a table"
         ) from None
     try:
         return [(float(p), _whole(after), float(r), bool(end)) for p, after, r, end in listed]

@@ -62,6 +62,8 @@ def reconstruct(args: Namespace) -> int:
                 _write(args, world, targets, attempt.number)
             if not args.json:
                 _print(world, numbers)
+                if args.out is not None:
+                    print(f"written to {_path(args.out, targets, first + len(maps) - 1)}")
             began = time.perf_counter()
         if len(maps) == args.count or attempt.number >= args.attempt + args.attempts - 1:
             break

@@ -99,7 +99,7 @@ class Reproduction:
             f"{s['numbers_agree']} of {s['numbers']} published numbers agree, "
             f"{s['relations_hold']} of {s['relations']} statements about the worlds hold\n"
             f"{s['learned']} statements about the learning agents: {in_words(self.verdicts)}\n"
-            f"{s['report']}"
+            f"written to {s['report']}"
         )
 
     def as_data(self) -> dict[str, Any]:
