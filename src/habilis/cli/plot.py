@@ -76,5 +76,6 @@ def run(args: Args) -> int:
         )
     for label, curve in drawn.items():
         print(f"{label}: {curve.text()}")
-    print_written(out)
+    if out is not None:
+        print_written(out)
     return 0
