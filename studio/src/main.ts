@@ -1,5 +1,7 @@
 /** The page: the server's greeting defines the choices; all views share one scene. */
 
+import { shapesOf } from "./board/picture";
+import { withBoard } from "./board/switch";
 import { createWatched } from "./core/watched";
 import { FRESH, fromFragment, toFragment, type Opened } from "./core/address";
 import type { App, View } from "./core/app";
@@ -21,6 +23,7 @@ import "./style/base.css";
 import "./style/controls.css";
 import "./style/pictures.css";
 import "./style/views.css";
+import "./style/boards.css";
 import "./style/portrait.css";
 import "./style/phone.css";
 import "./style/embedded.css";
@@ -55,15 +58,15 @@ const connection = connect(
 byId("app").replaceChildren(h("p", { class: "opening" }, "Opening the studio…"));
 
 function start(hello: Hello): void {
-  keepShapes(hello.shapes);
+  keepShapes({ ...hello.shapes, ...(hello.board ? shapesOf(hello.board) : {}) });
   const opened = fromFragment(location.hash, hello, VIEWS);
   const store = createStore(opened.shown?.scene ?? firstScene(hello));
   const measuring = createMeasuring(connection, store);
   notebook = createNotebook(hello, connection, store);
   app = { hello, connection, store, measuring, watched: createWatched(hello.run) };
+  const [design, play] = [createDesign(app), createPlay(app)];
   views = {
-    design: createDesign(app),
-    play: createPlay(app),
+    ...(hello.board ? withBoard(app, hello.board, design, play) : { design, play }),
     train: createTrain(app, () => frame?.open("run")),
     run: createRun(app),
   };
@@ -71,9 +74,9 @@ function start(hello: Hello): void {
   byId("app").replaceChildren(frame.element);
   frame.showStatus(status);
   let opening = true;
-  report(opened, hello.run ? "the world of the run" : `the built-in world ${firstWorld(hello)}`);
+  report(opened, hello.run ? "the world of the run" : hello.world ? "the studio's map" : `the built-in world ${firstWorld(hello)}`);
   frame.open(opened.shown?.view ?? (hello.run ? "run" : "design"));
-  frame.offerTour();
+  if (!hello.board) frame.offerTour();
   store.watch(() => (opening ? keepAddress() : letGo()));
   opening = false;
   addEventListener("hashchange", () => {
@@ -127,7 +130,7 @@ function firstWorld({ worlds }: Hello): string {
 }
 
 function firstScene(hello: Hello): Scene {
-  const drawn = hello.shown?.drawn ?? hello.run?.drawn ?? hello.worlds[firstWorld(hello)]!;
+  const drawn = hello.shown?.drawn ?? hello.run?.drawn ?? hello.world ?? hello.worlds[firstWorld(hello)]!;
   const world = worldOf(drawn);
   return { ...FRESH, world, bare: !world.tools.length };
 }

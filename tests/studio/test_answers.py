@@ -250,8 +250,13 @@ def test_a_newer_request_overtakes_an_older_one_of_its_kind_and_no_other(there):
         ({"horizon": 11}, "horizon is 11; give a whole number from 0 to 10"),
         ({"horizon": 2.5}, "horizon is 2.5; give a whole number"),
         ({"slip": 0.6}, "slip is 0.6; give a finite number from 0 to 0.5"),
-        ({"sensor": "smell"}, "sensor is 'smell'; give one of agent, cells, object, state, tool"),
+        (
+            {"sensor": "smell"},
+            "sensor is 'smell'; give one of agent, cells, factor, object, state, tool",
+        ),
         ({"tool": "none", "actions": "tool"}, "actions has 4; use indices from 0 to 3"),
+        ({"sensor": "factor"}, "the sensor 'factor' is for boards; give another"),
+        ({"only": [0]}, "only is for boards; give actions"),
         ({"colour": 1}, "scene has 'colour', which is unknown"),
     ],
 )

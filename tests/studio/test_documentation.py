@@ -22,6 +22,12 @@ GUIDE = (ROOT / "docs" / "how-to" / "studio.md").read_text("utf-8")
         ("rows, and columns, of a map (at least 4)", limits.SIDES[1]),
         ("tools, and objects, of a map", limits.THINGS),
         ("steps ahead", limits.HORIZON),
+        ("rows, and columns, of a puzzle or environment", limits.BOARD_SIDE),
+        ("its factors", limits.FACTORS),
+        (
+            "its states: of an environment all, of a puzzle those within the horizon",
+            f"{limits.BOARD_STATES:,}",
+        ),
         ("slip", f"{limits.SLIP:.0%}".replace("%", " %")),
         ("seconds of one computation, by an estimate or else by the clock", f"{limits.SECONDS:g}"),
         ("GiB of memory of one computation", f"{limits.GIB:g}"),

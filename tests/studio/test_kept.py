@@ -144,7 +144,12 @@ def test_a_server_survives_every_such_name(kept, tmp_path):
     ):
         for name in NAMES:
             for asked in ({"do": "run", "index": 0}, {"do": "curve"}):
-                assert there.ask(**asked, name=name)["error"].startswith("no training has the name")
+                error = there.ask(**asked, name=name)["error"]
+                assert error.startswith(
+                    "a message is not JSON (it has half of a surrogate pair)"
+                    if name == "\ud800"
+                    else "no training has the name"
+                )
     assert log.read_text() == ""
 
 

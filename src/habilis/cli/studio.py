@@ -19,9 +19,11 @@ COMMON: tuple[str, ...] = ("--port", "--tool", "--out")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "run", nargs="?", type=Path, metavar="RUN", help="a trained run's folder to show"
+    source = (
+        "what to show: a trained run's folder, a built-in world or a map's file; or, to play and "
+        "measure as it is, a puzzle (.pwp, .xsb, levels.xsb#3) or an environment (gym:ID)"
     )
+    parser.add_argument("source", nargs="?", metavar="SOURCE", help=source)
     loopback = "address to listen on (default 127.0.0.1: only this machine can reach it)"
     parser.add_argument("--host", default="127.0.0.1", help=loopback)
     parser.add_argument("--port", type=int, default=0, help="port (default 0: any free one)")
@@ -45,7 +47,7 @@ def run(args: Args) -> int:
     server = import_from("habilis.studio.server", "studio")
     with tempfile.TemporaryDirectory(prefix="habilis-studio-", ignore_cleanup_errors=True) as place:
         made, found = server.opened(
-            *(args.host, args.port, Path(place), tuple(args.tools), args.run, args.out),
+            *(args.host, args.port, Path(place), tuple(args.tools), args.source, args.out),
             *(args.base_path, args.origins),
         )
         address = made.access.address(args.host)

@@ -8,6 +8,12 @@ HORIZON = 10
 SLIP = 0.5
 TOOL_SLIP = 1.0
 
+BOARD_SIDE = 60
+"""The most rows, and columns, of a board: a puzzle or environment that the studio shows."""
+BOARD_STATES = 200_000
+"""Of an environment, which is enumerated whole; and of a puzzle, those within the horizon."""
+FACTORS = 64
+
 MESSAGE = 64 * 1024
 """Characters of a message."""
 CLIENTS = 200

@@ -1,5 +1,6 @@
 """The validation of requests: of their form by `protocol`, of their scene by the library."""
 
+import contextlib
 import json
 import re
 from collections.abc import Collection
@@ -7,12 +8,15 @@ from reprlib import Repr
 from typing import Any
 
 import msgspec
-from msgspec import inspect
+from msgspec import UNSET, inspect
 
+from habilis.studio.board_scenes import BoardScene
+from habilis.studio.boards import Board
 from habilis.studio.limits import MESSAGE
 from habilis.studio.protocol.requests import AnyRequest, Futures, Request
-from habilis.studio.protocol.scenes import GIVE, Index
-from habilis.studio.scenes import Scene
+from habilis.studio.protocol.scenes import GIVE, LARGEST, Index
+from habilis.studio.protocol.scenes import Scene as ScenePart
+from habilis.studio.scenes import AnyScene, Scene
 
 _LONGEST_ERROR = 400
 _DECODER = msgspec.json.Decoder(AnyRequest)
@@ -41,12 +45,15 @@ class _Numbered(msgspec.Struct):
     id: Index
 
 
-def read(message: Any, tools: Collection[str]) -> tuple[Request, Scene | None]:
+def read(
+    message: Any, tools: Collection[str], board: Board | None = None
+) -> tuple[Request, AnyScene | None]:
     """A request from a message, and its scene if it has one.
 
     Args:
         message: as received.
         tools: the names of all tools.
+        board: the one that the studio shows, if any.
 
     Raises:
         MessageError: the message is invalid; one line says why.
@@ -54,12 +61,23 @@ def read(message: Any, tools: Collection[str]) -> tuple[Request, Scene | None]:
     try:
         request = _request(message)
         asked = getattr(request, "scene", None)
-        scene = None if asked is None else Scene.of(asked, tools)
+        scene = None if asked is None else _scene(asked, tools, board)
         if isinstance(request, Futures):
             _check_inside(request.agent, scene)
     except (ValueError, RecursionError) as error:
         raise MessageError(one_line(error), _number_of(message)) from None
     return request, scene
+
+
+def _scene(asked: ScenePart, tools: Collection[str], board: Board | None) -> AnyScene:
+    """The scene of a message.
+
+    Raises:
+        ValueError: there is no such world, board or thing; the message says why.
+    """
+    if asked.board is UNSET:
+        return Scene.of(asked, tools)
+    return BoardScene.of(asked, board)
 
 
 def kind_of(request: Request) -> str:
@@ -86,7 +104,10 @@ def _request(message: Any) -> Request:
     try:
         return _DECODER.decode(message)
     except msgspec.ValidationError as error:
-        raise ValueError(_explained(str(error), json.loads(message))) from None
+        raise ValueError(_explained(str(error), _loaded(message))) from None
+    except msgspec.DecodeError as error:
+        why = "it has half of a surrogate pair" if _loaded(message) is not None else error
+        raise ValueError(f"a message is not JSON ({why}); send an object") from None
     except RecursionError:
         raise ValueError("a message is nested too deeply; send an object as documented") from None
     except ValueError as error:
@@ -98,20 +119,29 @@ def _number_of(message: Any) -> int | None:
     try:
         return msgspec.json.decode(message, type=_Numbered).id
     except (ValueError, TypeError, RecursionError):
-        return None
+        loaded = _loaded(message)
+    found = loaded.get("id") if isinstance(loaded, dict) else None
+    return found if type(found) is int and 0 <= found <= LARGEST else None
 
 
-def _check_inside(agent: tuple[int, int], scene: Scene | None) -> None:
+def _loaded(message: Any) -> Any:
+    """A short message as the standard library reads it, which accepts halves of surrogate pairs."""
+    with contextlib.suppress(ValueError, TypeError, RecursionError):
+        return json.loads(message) if len(message) <= MESSAGE else None
+    return None
+
+
+def _check_inside(agent: tuple[int, int], scene: AnyScene | None) -> None:
     assert scene is not None
     row, column = agent
-    if not (0 <= row < scene.world.height and 0 <= column < scene.world.width):
+    if not (0 <= row < scene.height and 0 <= column < scene.width):
         raise ValueError(f"the agent's cell {agent} is outside the map; give a free cell")
 
 
 def _explained(error: str, value: Any) -> str:
     """The decoder's error in our words: which field is wrong, and what to give instead."""
     if not isinstance(value, dict):
-        return f"a message is {shown(value)}; send an object"
+        return "a message is not a JSON object; send one"
     what, _, path = error.partition(" - at `$")
     do = value.get("do")
     if not isinstance(do, str) or do not in _KINDS:

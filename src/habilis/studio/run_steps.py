@@ -23,7 +23,8 @@ from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.placements import Order, named, placed
 from habilis.studio.protocol.hello import RunAbout
 from habilis.studio.protocol.scenes import Placement
-from habilis.studio.scene_steps import Answer, state_of
+from habilis.studio.scene_steps import Answer
+from habilis.studio.scenes import state_of
 from habilis.worlds.rules import NONE
 
 _POINTS = 150  # of a curve, enough for a page

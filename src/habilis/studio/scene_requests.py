@@ -25,7 +25,8 @@ from habilis.studio.protocol.answers import (
     SolveAnswer,
     StepAnswer,
 )
-from habilis.studio.scenes import Scene
+from habilis.studio.scenes import AnyScene, Scene
+from habilis.worlds.grid import Cell
 from habilis.worlds.world import NO_TOOL
 
 _SETTLED = 0.1  # seconds without an edit before averages start, since an edit would cancel them
@@ -71,43 +72,47 @@ class Pools:
     async def close(self) -> None:
         await asyncio.gather(*(pool.close() for pool in (self.quick, self.slow, self.learning)))
 
-    def for_one(self, scene: Scene) -> Pool:
+    def for_one(self, scene: AnyScene) -> Pool:
         """For the value of one state of a scene."""
         return self.slow if scene.is_stochastic else self.quick
 
 
 async def measure(
-    pools: Pools, tools: tuple[str, ...], client: Client, request: requests.Measure, scene: Scene
+    pools: Pools, tools: tuple[str, ...], client: Client, request: requests.Measure, scene: AnyScene
 ) -> None:
     """Sends the landscape as soon as it is computed, then the tools' averages one by one."""
     await _landscape(pools, client, request.id, scene)
-    await _averages(pools, tools, client, request.id, scene)
+    if isinstance(scene, Scene):  # a board has no tools to compare
+        await _averages(pools, tools, client, request.id, scene)
 
 
 async def landscape(
-    pools: Pools, client: Client, request: requests.Landscape, scene: Scene
+    pools: Pools, client: Client, request: requests.Landscape, scene: AnyScene
 ) -> None:
     """Sends the landscape alone, optionally for another placement of the things."""
     at = request.placement
     await _landscape(pools, client, request.id, scene if at is UNSET else scene.with_things(at))
 
 
-async def _landscape(pools: Pools, client: Client, number: int, scene: Scene) -> None:
+async def _landscape(pools: Pools, client: Client, number: int, scene: AnyScene) -> None:
     began = time.perf_counter()
     if scene.is_stochastic:
-        bits = await _stretches(pools, client, number, scene)
+        cells, bits = await _stretches(pools, client, number, scene)
     else:
-        bits = (await client.step(pools.quick, "landscape", scene=scene))["bits"]
+        found = await client.step(pools.quick, "landscape", scene=scene)
+        cells, bits = found["cells"], found["bits"]
     seconds = time.perf_counter() - began
     least, most = (min(bits), max(bits)) if bits else (None, None)
     await client.answer(
         LandscapeAnswer(
-            id=number, landscape=_grid(scene, bits), least=least, most=most, seconds=seconds
+            id=number, landscape=_grid(scene, cells, bits), least=least, most=most, seconds=seconds
         )
     )
 
 
-async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) -> list[float]:
+async def _stretches(
+    pools: Pools, client: Client, number: int, scene: AnyScene
+) -> tuple[list[Cell], list[float]]:
     """A landscape of a stochastic table, computed in chunks of cells."""
 
     async def step(first: int, end: int) -> list[float]:
@@ -115,10 +120,10 @@ async def _stretches(pools: Pools, client: Client, number: int, scene: Scene) ->
         return found["bits"]
 
     bits: list[float] = []
-    places = len(scene.world.agent_cells)
-    async for bits in in_stretches(places, step):
-        await client.answer(Answer(id=number, progress=len(bits) / places))
-    return bits
+    cells = (await client.step(pools.slow, "cells", scene=scene))["cells"]
+    async for bits in in_stretches(len(cells), step):
+        await client.answer(Answer(id=number, progress=len(bits) / len(cells)))
+    return cells, bits
 
 
 async def _averages(
@@ -172,26 +177,51 @@ async def _average(
             return
 
 
-async def read(pools: Pools, client: Client, request: requests.Read, scene: Scene) -> None:
-    world = scene.world
+async def read(pools: Pools, client: Client, request: requests.Read, scene: AnyScene) -> None:
+    world = of_a_map(scene).world
     await client.answer(ReadAnswer(id=request.id, drawn=drawn_of(world), text=world.text()))
 
 
-async def futures(pools: Pools, client: Client, request: requests.Futures, scene: Scene) -> None:
+def of_a_map(scene: AnyScene) -> Scene:
+    """The scene of a map.
+
+    Raises:
+        ValueError: it is one of a board.
+    """
+    if not isinstance(scene, Scene):
+        raise ValueError("a board has no map; give one as text or drawn")
+    return scene
+
+
+async def futures(pools: Pools, client: Client, request: requests.Futures, scene: AnyScene) -> None:
     pool, agent = pools.for_one(scene), request.agent
     found = await client.step(pool, "choices", scene=scene, agent=agent)
     await client.pass_on(FuturesAnswer, request.id, found)
 
 
-async def solve(pools: Pools, client: Client, request: requests.Solve, scene: Scene) -> None:
+async def solve(pools: Pools, client: Client, request: requests.Solve, scene: AnyScene) -> None:
     at = None if request.placement is UNSET else request.placement
     found = await client.step(pools.slow, "plan", scene=scene, at=at)
     await client.pass_on(SolveAnswer, request.id, found)
 
 
-async def step(pools: Pools, client: Client, request: requests.Step, scene: Scene) -> None:
+async def step(
+    pools: Pools,
+    image: Callable[[int], str] | None,
+    client: Client,
+    request: requests.Step,
+    scene: AnyScene,
+) -> None:
+    """Sends the effect of an action.
+
+    Args:
+        pools, client, request, scene: as of all requests.
+        image: the picture of a state, if the scene's board is drawn by images.
+    """
     pool, at = pools.for_one(scene), request.placement
     found = await client.step(pool, "step", scene=scene, at=at, action=request.action)
+    if image is not None and "state" in found["placement"]:
+        found["image"] = await asyncio.to_thread(image, found["placement"]["state"])
     await client.pass_on(StepAnswer, request.id, found)
 
 
@@ -200,13 +230,12 @@ ANSWERS: dict[type[requests.Request], Callable[..., Coroutine[Any, Any, None]]] 
     requests.Read: read,
     requests.Futures: futures,
     requests.Solve: solve,
-    requests.Step: step,
 }
 
 
-def _grid(scene: Scene, bits: list[float]) -> Grid:
+def _grid(scene: AnyScene, cells: list[Cell], bits: list[float]) -> Grid:
     """Values of the agent's cells as rows of the map, `None` where the agent cannot be."""
-    rows: Any = [[None] * scene.world.width for _ in range(scene.world.height)]
-    for (row, column), value in zip(scene.world.agent_cells, bits, strict=True):
+    rows: Any = [[None] * scene.width for _ in range(scene.height)]
+    for (row, column), value in zip(cells, bits, strict=True):
         rows[row][column] = value
     return rows

@@ -22,41 +22,41 @@ from habilis.empowerment.tabular.beliefs import TooManyBeliefsError
 from habilis.empowerment.tabular.cost import check_effort, most_entries
 from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
 from habilis.mdp import TabularMDP
-from habilis.studio.limits import DRAWN, FEWEST, GIB, SECONDS
-from habilis.studio.placements import placed
+from habilis.models.limits import TooManyStatesError
+from habilis.studio.limits import BOARD_STATES, DRAWN, FEWEST, GIB, SECONDS
 from habilis.studio.protocol import scenes as protocol
 from habilis.studio.random_placements import random_placements
-from habilis.studio.scenes import ELSEWHERE, Scene
+from habilis.studio.scenes import ELSEWHERE, AnyScene, Scene, Where
 from habilis.transitions import Transitions
-from habilis.worlds.placements import Placement
-from habilis.worlds.plans import check_certain, solve
-from habilis.worlds.reach import TooManyPlacementsError, reachable
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import Cell, World
 
 Answer = dict[str, Any]
-Cells = list[list[int]]
 
 _LIMITS = Limits(GIB, SECONDS)
 _METHOD = Exact(threads=1, max_gib=GIB, max_seconds=SECONDS)
 _TOLERANCE = 1e-6  # bits
 _KEPT = 4  # tables of scenes
-_MOST = 3_000_000  # placements that the search for a plan visits
 _MANY, _EXACT = 100, 5.0  # cells, seconds: beyond, an average over a stochastic table is estimated
 
 
-def landscape(scene: Scene) -> Answer:
-    """Empowerment for every agent cell, tool and object where the map has them.
+def landscape(scene: AnyScene) -> Answer:
+    """Empowerment for every agent cell, all else where the map or board has it.
 
     Only what h actions from there can touch is tabulated: on a small map as quick as looking up
     in a table of all placements, on a large one hundreds of times quicker.
     """
-    places = scene.world.agent_cells
-    bits = np.empty(0) if not places else _bits(scene, [_at(scene, place) for place in places])
-    return {"bits": bits.tolist()}
+    agents = scene.agents
+    bits = _bits(scene, list(agents.values())) if agents else np.empty(0)
+    return {"bits": bits.tolist(), "cells": list(agents)}
 
 
-def stretch(scene: Scene, first: int, end: int) -> Answer:
+def cells(scene: AnyScene) -> Answer:
+    """The cells of a landscape."""
+    return {"cells": list(scene.agents)}
+
+
+def stretch(scene: AnyScene, first: int, end: int) -> Answer:
     """Empowerment for some of the agent's cells, of a stochastic table, which takes long."""
     problem, states = _everywhere(scene)
     return {"bits": _each(problem, states[first:end])}
@@ -83,19 +83,19 @@ def average(scene: Scene, tool: str) -> Answer:
     return {"bits": float(bits.mean()), "some": bool(bits.max() > NOTHING)}
 
 
-def choices(scene: Scene, agent: Cell) -> Answer:
+def choices(scene: AnyScene, agent: Cell) -> Answer:
     """The futures that the agent can reach from a cell."""
-    mdp, states = _around(scene, [_at(scene, agent)])
-    state, sensor = int(states[0]), scene.sensed(mdp)
-    found = futures(
-        mdp, state, scene.horizon, sensor, scene.action_indices, method=Exact(max_gib=GIB)
-    )
-    seen, labels = found.seen, found.observations
-    if scene.sensor == "state":
-        labels, place = np.unique(mdp.factor(scene.seen)[labels], return_inverse=True)
-        seen = np.bincount(place, seen, len(labels))
+    agents = scene.agents
+    if agent not in agents:
+        raise ValueError(f"the agent cannot be in {agent}; give a cell that has a value")
+    mdp, states = _around(scene, [agents[agent]])
+    sensor = scene.sensed(mdp)
+    method = Exact(max_gib=GIB)
+    found = futures(mdp, int(states[0]), scene.horizon, sensor, scene.action_indices, method=method)
+    labels, place = np.unique(scene.seen_in(mdp, found.observations), return_inverse=True)
+    seen = np.bincount(place, found.seen, len(labels))
     here = labels != ELSEWHERE
-    rows, columns = np.divmod(labels[here], scene.world.width)
+    rows, columns = np.divmod(labels[here], scene.width)
     return {
         "bits": found.empowerment,
         "gap": found.gap,
@@ -108,26 +108,21 @@ def choices(scene: Scene, agent: Cell) -> Answer:
     }
 
 
-def plan(scene: Scene, at: protocol.Placement | None = None) -> Answer:
-    """A shortest plan from a placement, by default the map's, with its placements."""
-    world = check_certain(scene.world)
-    if world.single:
-        mdp = tabulate(world)
-        start = mdp.start if at is None else state_of(world, mdp, scene.named(at))
-    else:
-        mdp, start = _within_reach(world, scene.placement if at is None else scene.named(at))
-    found = solve(mdp, start)
+def plan(scene: AnyScene, at: protocol.Placement | None = None) -> Answer:
+    """A shortest plan from a placement, by default the first, with its placements."""
+    found = scene.plan(at)
     if found is None:
         return {"steps": None, "return": None, "actions": None, "placements": None}
+    way, placements = found
     return {
-        "steps": found.steps,
-        "return": found.best_return,
-        "actions": list(found.actions),
-        "placements": [placed(world, scene.listed, mdp, state) for state in found.states],
+        "steps": way.steps,
+        "return": way.best_return,
+        "actions": list(way.actions),
+        "placements": placements,
     }
 
 
-def step(scene: Scene, at: protocol.Placement, action: int | None) -> Answer:
+def step(scene: AnyScene, at: protocol.Placement, action: int | None) -> Answer:
     """The effect of an action in a placement, and the bits of the placement reached.
 
     Args:
@@ -135,8 +130,7 @@ def step(scene: Scene, at: protocol.Placement, action: int | None) -> Answer:
         at: the placement.
         action: its index; `None` stays.
     """
-    world = scene.world
-    mdp, states = reachable(world, scene.named(at), 1)
+    mdp, states = scene.around([scene.where(at)], 1)
     state, reward, ended = int(states[0]), None, bool(mdp.terminal[states[0]])
     if action is not None:
         if not 0 <= action < mdp.action_count:
@@ -147,54 +141,28 @@ def step(scene: Scene, at: protocol.Placement, action: int | None) -> Answer:
         made = transitions.drawn(state * mdp.action_count + action, random.random())
         state, reward = int(transitions.next_state[made]), float(transitions.reward[made])
         ended = bool(mdp.terminal[state])
-    now = placed(world, scene.listed, mdp, state)
+    now = scene.placed(mdp, state)
     return {
         "placement": now,
-        "bits": float(_bits(scene, [scene.named(now)])[0]),
-        "equipped": bool(mdp.flags["equipped"][state]),
-        "attached": bool(mdp.flags["attached"][state]),
+        "bits": float(_bits(scene, [scene.where(now)])[0]),
+        "equipped": _flag(mdp, "equipped", state),
+        "attached": _flag(mdp, "attached", state),
         "reward": reward,
         "ended": ended,
     }
 
 
-def _within_reach(world: World, at: Placement) -> tuple[TabularMDP, int]:
-    """The table reachable from a placement, and the placement's state."""
-    try:
-        mdp, states = reachable(world, at, None, _MOST)
-    except TooManyPlacementsError:
-        raise ValueError(
-            f"more than {_MOST:,} placements can be reached; remove things, or make the map smaller"
-        ) from None
-    return mdp, int(states[0])
+def _flag(mdp: TabularMDP, name: str, state: int) -> bool:
+    return name in mdp.flags and bool(mdp.flags[name][state])
 
 
-def state_of(world: World, mdp: TabularMDP, at: Placement) -> int:
-    """The state of a placement in a table of its world.
-
-    Raises:
-        ValueError: it is no placement, or the table has none such.
-    """
-    asked, states = reachable(world, at, 0)
-    same = np.ones(mdp.states, bool)
-    for name in mdp.factors:
-        same &= mdp.factor(name) == asked.factor(name)[states[0]]
-    if not same.any():
-        raise ValueError("that cannot be reached from where episodes start; put things elsewhere")
-    return int(np.flatnonzero(same)[0])
-
-
-def _at(scene: Scene, agent: Cell) -> Placement:
-    return {**scene.placement, "agent": agent}
-
-
-def _around(scene: Scene, places: list[Placement]) -> tuple[TabularMDP, np.ndarray]:
-    """The table reachable from some placements with h actions, and their states."""
-    mdp, states = reachable(scene.world, places, scene.horizon)
+def _around(scene: AnyScene, places: list[Where]) -> tuple[TabularMDP, np.ndarray]:
+    """The table reachable from some states with h actions, and their indices in it."""
+    mdp, states = scene.around(places, scene.horizon)
     return mdp.slippery(scene.slip), states
 
 
-def _bits(scene: Scene, places: list[Placement]) -> np.ndarray:
+def _bits(scene: AnyScene, places: list[Where]) -> np.ndarray:
     mdp, states = _around(scene, places)
     return empowerment(
         mdp, scene.horizon, scene.sensed(mdp), scene.action_indices, states, method=_METHOD
@@ -202,13 +170,13 @@ def _bits(scene: Scene, places: list[Placement]) -> np.ndarray:
 
 
 @lru_cache(_KEPT)
-def _everywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
+def _everywhere(scene: AnyScene) -> tuple[Problem, np.ndarray]:
     """The problem shared by the agent's cells in a stochastic table.
 
     Raises:
         TooMuchError: it takes too long.
     """
-    problem, states = _uncertain(scene, [_at(scene, place) for place in scene.world.agent_cells])
+    problem, states = _uncertain(scene, list(scene.agents.values()))
     check_effort(problem, states, 1, _LIMITS)
     return problem, states
 
@@ -225,7 +193,7 @@ def _anywhere(scene: Scene) -> tuple[Problem, np.ndarray]:
     return problem, states
 
 
-def _uncertain(scene: Scene, places: list[Placement]) -> tuple[Problem, np.ndarray]:
+def _uncertain(scene: AnyScene, places: list[Where]) -> tuple[Problem, np.ndarray]:
     mdp, states = _around(scene, places)
     used, most = chosen_actions(mdp, scene.action_indices), most_entries(_LIMITS, 1)
     return problem_of(mdp, scene.horizon, scene.sensed(mdp), used, _TOLERANCE, most), states
@@ -245,6 +213,10 @@ def _in_words(one: Callable[..., Answer]) -> Callable[..., Answer]:
     def step(*given: Any, **named: Any) -> Answer:
         try:
             return one(*given, **named)
+        except TooManyStatesError:
+            raise ValueError(
+                f"more than {BOARD_STATES:,} states are within the horizon; look fewer steps ahead"
+            ) from None
         except TooMuchError as error:
             fewer = f"up to {error.fitting} do not" if error.fitting > 0 else "have no slip"
             raise ValueError(
@@ -254,7 +226,7 @@ def _in_words(one: Callable[..., Answer]) -> Callable[..., Answer]:
     return step
 
 
-_ALL = (landscape, stretch, sampled, average, choices, plan, step)
+_ALL = (landscape, cells, stretch, sampled, average, choices, plan, step)
 STEPS: dict[str, Callable[..., Answer]] = {one.__name__: _in_words(one) for one in _ALL}
 """The steps that a worker can run, by name."""
 

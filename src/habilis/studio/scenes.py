@@ -1,8 +1,9 @@
 """A scene: a world on the page, and the question asked about it."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Int
@@ -12,18 +13,86 @@ from habilis.analysis.averages import held
 from habilis.mdp import TabularMDP
 from habilis.studio.drawn_worlds import check_known, order_of, world_of
 from habilis.studio.limits import SIDES
-from habilis.studio.placements import Order, named
+from habilis.studio.placements import Order, named, placed
 from habilis.studio.protocol import scenes as protocol
 from habilis.worlds.map_text import header, map_lines
 from habilis.worlds.own_tools import is_own
 from habilis.worlds.placements import Factors, Placement, placed_at, start_of
+from habilis.worlds.plans import Plan, check_certain, solve
+from habilis.worlds.reach import TooManyPlacementsError, reachable
+from habilis.worlds.table import tabulate
 from habilis.worlds.world import NO_TOOL, Cell, World
+
+Where = Any
+"""All that a state says, in the format of a scene's model."""
 
 ACTIONS = {"all": None, "moves": (0, 1, 2, 3), "tool": (4, 5, 6, 7)}
 ELSEWHERE = -1
 """The observation of the sensor "cells" if the object is in none of the chosen cells."""
 
+_MOST = 3_000_000  # placements that the search for a plan visits
 _MAP = "map"  # its name in the library's errors
+
+
+@runtime_checkable
+class AnyScene(Protocol):
+    """A model with a grid, and a question asked about it.
+
+    Attributes:
+        height, width: rows and columns.
+        horizon: in actions.
+        slip: the probability that a random action replaces the chosen one.
+        is_stochastic: whether outcomes are random.
+        action_indices: those that are counted; `None` for all.
+        agents: by the cell of the agent, the state in which all else is where it begins.
+    """
+
+    @property
+    def height(self) -> int: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def horizon(self) -> int: ...
+    @property
+    def slip(self) -> float: ...
+    @property
+    def is_stochastic(self) -> bool: ...
+    @property
+    def action_indices(self) -> Sequence[int] | None: ...
+    @property
+    def agents(self) -> Mapping[Cell, Where]: ...
+
+    def with_things(self, at: protocol.Placement) -> "AnyScene":
+        """The same scene with its things elsewhere."""
+        ...
+
+    def around(self, places: list[Where], horizon: int) -> tuple[TabularMDP, Int[np.ndarray, "n"]]:
+        """A table of what can be reached from some states, without slip, and their indices."""
+        ...
+
+    def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":
+        """The sensor in the library's format."""
+        ...
+
+    def seen_in(self, mdp: TabularMDP, observations: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
+        """The cell in which to mark each observation, `ELSEWHERE` where there is none."""
+        ...
+
+    def where(self, at: protocol.Placement) -> Where:
+        """The state that a message means.
+
+        Raises:
+            ValueError: there is none such.
+        """
+        ...
+
+    def placed(self, mdp: TabularMDP, state: int) -> protocol.Placement:
+        """A state of a table of `around`, for a message."""
+        ...
+
+    def plan(self, at: protocol.Placement | None) -> tuple[Plan, list[protocol.Placement]] | None:
+        """A shortest plan with its placements, `None` if there is none."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -63,6 +132,10 @@ class Scene:
         """
         if (asked.map is UNSET) == (asked.drawn is UNSET):
             raise ValueError("scene has no map; give it as text, map, or as drawn")
+        if asked.sensor == "factor":
+            raise ValueError("the sensor 'factor' is for boards; give another")
+        if asked.only is not UNSET:
+            raise ValueError("only is for boards; give actions")
         if asked.drawn is UNSET:
             world = _read(asked.map, frozenset(tools))
             order = Order.of(world)
@@ -115,13 +188,37 @@ class Scene:
         """The order of its things in messages; by default, the world's."""
         return Order.of(self.world) if self.order is None else self.order
 
-    def named(self, at: protocol.Placement) -> Placement:
-        """A message's placement in the library's format.
+    @property
+    def height(self) -> int:
+        return self.world.height
 
-        Raises:
-            ValueError: it has the wrong number of things.
-        """
+    @property
+    def width(self) -> int:
+        return self.world.width
+
+    @property
+    def agents(self) -> dict[Cell, Placement]:
+        here = self.placement
+        return {cell: here | {"agent": cell} for cell in self.world.agent_cells}
+
+    def around(self, places: list[Where], horizon: int) -> tuple[TabularMDP, Int[np.ndarray, "n"]]:
+        return reachable(self.world, places, horizon)
+
+    def where(self, at: protocol.Placement) -> Placement:
         return named(self.world, self.listed, at)
+
+    def placed(self, mdp: TabularMDP, state: int) -> protocol.Placement:
+        return placed(self.world, self.listed, mdp, state)
+
+    def plan(self, at: protocol.Placement | None) -> tuple[Plan, list[protocol.Placement]] | None:
+        world = check_certain(self.world)
+        if world.single:
+            mdp = tabulate(world)
+            start = mdp.start if at is None else state_of(world, mdp, self.where(at))
+        else:
+            mdp, start = _within_reach(world, self.placement if at is None else self.where(at))
+        found = solve(mdp, start)
+        return found and (found, [self.placed(mdp, state) for state in found.states])
 
     def with_things(self, at: protocol.Placement) -> "Scene":
         """The same scene with its things elsewhere.
@@ -129,7 +226,7 @@ class Scene:
         Raises:
             ValueError: a thing is not on a free cell.
         """
-        return replace(self, world=placed_at(self.world, self.named(at)))
+        return replace(self, world=placed_at(self.world, self.where(at)))
 
     def with_tool(self, tool: str) -> "Scene":
         """The scene of a tool's average: all actions, observing the object."""
@@ -149,10 +246,39 @@ class Scene:
         at = mdp.factor(self.seen)
         return np.where(np.isin(at, [mdp.label(place) for place in self.cells]), at, ELSEWHERE)
 
+    def seen_in(self, mdp: TabularMDP, observations: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
+        return mdp.factor(self.seen)[observations] if self.sensor == "state" else observations
+
     @property
     def seen(self) -> str:
         """The factor of the observed object."""
         return Factors.of(self.world).objects[0 if self.sensor == "tool" else self.thing]
+
+
+def _within_reach(world: World, at: Placement) -> tuple[TabularMDP, int]:
+    """The table reachable from a placement, and the placement's state."""
+    try:
+        mdp, states = reachable(world, at, None, _MOST)
+    except TooManyPlacementsError:
+        raise ValueError(
+            f"more than {_MOST:,} placements can be reached; remove things, or make the map smaller"
+        ) from None
+    return mdp, int(states[0])
+
+
+def state_of(world: World, mdp: TabularMDP, at: Placement) -> int:
+    """The state of a placement in a table of its world.
+
+    Raises:
+        ValueError: it is no placement, or the table has none such.
+    """
+    asked, states = reachable(world, at, 0)
+    same = np.ones(mdp.states, bool)
+    for name in mdp.factors:
+        same &= mdp.factor(name) == asked.factor(name)[states[0]]
+    if not same.any():
+        raise ValueError("that cannot be reached from where episodes start; put things elsewhere")
+    return int(np.flatnonzero(same)[0])
 
 
 def check_size(world: World) -> None:

@@ -19,18 +19,19 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 import habilis
-from habilis.extras import check_installed, import_from
+from habilis.extras import check_installed
 from habilis.files import check_folder
 from habilis.studio import limits, scene_requests, training_requests
 from habilis.studio.clients import Client
 from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.limits import CLIENTS, MESSAGE
 from habilis.studio.messages import MessageError, kind_of, read
+from habilis.studio.opening import Opened, open_source
 from habilis.studio.protocol import requests
 from habilis.studio.protocol.answers import Answer
-from habilis.studio.protocol.hello import Greeting, Hello, Limits, RunAbout, TrainingLimits
+from habilis.studio.protocol.hello import Greeting, Hello, Limits, TrainingLimits
 from habilis.studio.scene_requests import Pools
-from habilis.studio.scenes import Scene
+from habilis.studio.scenes import AnyScene, Scene
 from habilis.studio.security import Access, Guard
 from habilis.studio.shared_world import SharedWorld
 from habilis.studio.training_jobs import Trainings
@@ -57,7 +58,7 @@ class Studio:
         pools: the worker processes.
         trainings: the trainings requested by pages.
         tools: names of custom tools.
-        run: the folder of a trained run to show, and `shown`, its summary for pages.
+        opened: what pages show first.
         kept: the folder in which trainings outlive the server, if there is one.
         clients: the connected clients.
         shared: the world that pages share with the notebook that they are embedded in.
@@ -67,8 +68,7 @@ class Studio:
     pools: Pools
     trainings: Trainings
     tools: tuple[str, ...] = ()
-    run: Path | None = None
-    shown: RunAbout | None = None
+    opened: Opened = field(default_factory=Opened)
     kept: Path | None = None
     clients: set[Client] = field(default_factory=set)
     shared: SharedWorld | None = None
@@ -106,12 +106,16 @@ class Studio:
                 name: [(shape.path, shape.fill) for shape in drawing]
                 for name, drawing in shapes.items()
             },
-            run=self.shown,
+            run=self.opened.about_run,
+            board=self.opened.about,
+            world=None if self.opened.world is None else drawn_of(self.opened.world),
             kept=None if self.kept is None else str(self.kept),
             shown=None,
         )
 
-    async def answer(self, client: Client, request: requests.Request, scene: Scene | None) -> None:
+    async def answer(
+        self, client: Client, request: requests.Request, scene: AnyScene | None
+    ) -> None:
         """Starts to answer a request."""
         pools, trainings = self.pools, self.trainings
         match request:
@@ -134,12 +138,17 @@ class Studio:
             case requests.Curve():
                 work = training_requests.curve(pools, trainings, client, request)
             case requests.Run():
-                work = training_requests.run(pools, trainings, self.run, client, request)
+                work = training_requests.run(pools, trainings, self.opened.run, client, request)
+            case requests.Step() if scene is not None:
+                image = self.opened.image
+                work = scene_requests.step(pools, image, client, request, scene)
             case _:
                 work = scene_requests.ANSWERS[type(request)](pools, client, request, scene)
         await client.ask(kind_of(request), request.id, work)
 
-    def _edited(self, request: requests.Edit, scene: Scene) -> Answer:
+    def _edited(self, request: requests.Edit, scene: AnyScene) -> Answer:
+        if not isinstance(scene, Scene):
+            return Answer(id=request.id, error="a board has no map to edit; give one as drawn")
         if self.shared is None:
             words = "this studio is not embedded in a notebook; open one with habilis.open_studio"
             return Answer(id=request.id, error=words)
@@ -197,7 +206,7 @@ async def _connected(studio: Studio, socket: WebSocket) -> None:
                 return
             try:
                 said = message.get("text") or message.get("bytes")
-                request, scene = read(said, studio.all_tools)
+                request, scene = read(said, studio.all_tools, studio.opened.board)
             except MessageError as error:
                 await client.answer(Answer(id=error.id, error=str(error)))
             else:
@@ -217,7 +226,7 @@ def opened(
     port: int,
     folder: Path,
     tools: tuple[str, ...] = (),
-    run: Path | None = None,
+    source: str | None = None,
     kept: Path | None = None,
     base: str = "/",
     trusted: Sequence[str] = (),
@@ -229,22 +238,23 @@ def opened(
         host, port: the address to listen on; port 0 chooses a free one.
         folder: the folder for temporary trainings.
         tools: names of custom tools.
-        run: the folder of a trained run to show.
+        source: what to show: a trained run's folder, a world or its file, a puzzle's file, or
+            "gym:ID".
         kept: the folder in which to keep trainings instead.
         base, trusted: the path and the origins of a proxy, as in `Access.of`.
         shared: the world of the notebook that may embed the page.
 
     Raises:
-        ValueError: the address does not belong to this machine, a tool or run does not exist, a
+        ValueError: the address does not belong to this machine, a tool or source does not exist, a
             tool is given twice, `kept` is not writable, or the path or an origin is none.
     """
     for place, name in enumerate(tools):
         tool_named(name)  # raises if it is not a valid tool
         if name in (*TOOLS, *tools[:place]):
             raise ValueError(f"tool {name!r} is given twice or built in; leave it out")
-    shown = (
-        None if run is None else import_from("habilis.studio.run_steps", "learn").summary_of(run)
-    )
+    opened = open_source(source, folder)
+    if opened.world is not None:  # whose tools somebody named on the command line, too
+        tools = *tools, *(name for name in opened.world.own_tools if name not in tools)
     if kept is not None:
         check_installed("learn")
         check_folder(kept)
@@ -257,8 +267,7 @@ def opened(
         pools=Pools.made(),
         trainings=Trainings(kept or folder),
         tools=tools,
-        run=run,
-        shown=shown,
+        opened=opened,
         kept=kept,
         shared=shared,
     )

@@ -17,20 +17,20 @@ from habilis.studio.protocol.answers import (
     TrainAnswer,
     TrainingsAnswer,
 )
-from habilis.studio.scene_requests import Pools
-from habilis.studio.scenes import Scene
+from habilis.studio.scene_requests import Pools, of_a_map
+from habilis.studio.scenes import AnyScene
 from habilis.studio.training_jobs import Training, Trainings
 
 _INTERVAL = 1.0  # seconds between two updates of the curve
 
 
 async def train(
-    pools: Pools, trainings: Trainings, client: Client, request: requests.Train, scene: Scene
+    pools: Pools, trainings: Trainings, client: Client, request: requests.Train, scene: AnyScene
 ) -> None:
     """Trains, and sends the curve while it grows."""
     check_installed("learn")
     pools.learning.start()
-    with trainings.one(scene, request.settings) as training:
+    with trainings.one(of_a_map(scene), request.settings) as training:
         client.trainings[request.id] = training
         try:
             await _train(pools, client, request.id, training)

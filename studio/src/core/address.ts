@@ -1,7 +1,7 @@
 /** The whole state in the link's fragment: `#w=10x10.AAA.28.66.77.35&t=picker&h=3`. */
 
-import type { ActionSet, Sensor } from "./protocol";
-import { ACTION_SETS, NO_TOOL, SENSORS, toolOf, type Scene } from "./scene";
+import type { ActionSet } from "./protocol";
+import { ACTION_SETS, NO_TOOL, SENSORS, toolOf, type Scene, type Sensor } from "./scene";
 import { standing, thingAt, type Standing, type Thing, type Tool, type World } from "./world";
 
 export const FRESH: Omit<Scene, "world" | "bare"> = {

@@ -104,6 +104,8 @@ export interface Placement {
   held?: number;
   /** Of the tool that was dropped and not left since, likewise. */
   laid?: number;
+  /** Of an environment: its state's index, which decides. */
+  state?: number;
 }
 
 /** A shortest plan; all null if the goal is unreachable. */
@@ -122,6 +124,8 @@ export interface StepAnswer extends Answer {
   attached?: boolean;
   reward?: number | null;
   ended?: boolean;
+  /** Of an environment: its picture, as a data URI. */
+  image?: string;
 }
 
 /** The mean return of some runs with its 95 % interval, over episodes. */
@@ -271,6 +275,44 @@ export interface RunAbout {
   config: Record<string, unknown>;
 }
 
+/** A thing on a board that is drawn where placements have it. */
+export interface Movable {
+  name: string;
+  drawing: Drawing;
+  /** In one of its goals. */
+  filled: Drawing | null;
+  goals: Cell[];
+}
+
+/** A part of a board that stays in its cell. */
+export interface Still {
+  cell: Cell;
+  drawing: Drawing;
+}
+
+/** A puzzle or environment, which can be played and measured as it is. It is drawn by its cells, or by an image of each state. */
+export interface BoardAbout {
+  name: string;
+  /** Rows of # (wall) and . (floor). */
+  ground: string;
+  actions: string[];
+  /** That can be observed. */
+  factors: string[];
+  start: Placement;
+  /** Whether its actions have random outcomes. */
+  random: boolean;
+  /** Without a drawing, the studio's own is used. */
+  agent: Movable;
+  /** In the order of placements. */
+  objects: Movable[];
+  /** From back to front. */
+  still: Still[];
+  /** Their number, if it is known. */
+  states: number | null;
+  /** Of its first state, as a data URI. */
+  image: string | null;
+}
+
 /** A world that a notebook shows on the pages embedded in it. */
 export interface Shown {
   drawn: Drawn;
@@ -293,6 +335,10 @@ export interface Hello {
   shapes: Record<string, Drawing>;
   /** Of the folder that the studio was started with. */
   run: RunAbout | null;
+  /** That the studio was started with, if any. */
+  board: BoardAbout | null;
+  /** The map that the studio was started with, if any. */
+  world: Drawn | null;
   /** The folder in which trainings outlive the studio. */
   kept: string | null;
   /** The notebook's, of an embedded page. */
@@ -315,25 +361,29 @@ export interface Request {
   id: number;
 }
 
-/** `cells` observes the object in the scene's cells only. */
-export type Sensor = "agent" | "cells" | "object" | "state" | "tool";
+/** `cells` observes the object in the scene's cells only; `factor` is a board's. */
+export type Sensor = "agent" | "cells" | "factor" | "object" | "state" | "tool";
 
 export type ActionSet = "all" | "moves" | "tool";
 
-/** A world, as `map` or as `drawn`, and the question asked about it. */
+/** A world, as `map` or as `drawn`, or a board; and the question asked about it. */
 export interface Scene {
   /** The map as text, as in a file; objects that have goals count first, otherwise things are in its reading order. */
   map?: string;
   drawn?: Drawn;
+  /** The name of the board in `Hello`. */
+  board?: string;
   /** One of those in `Hello`, which replaces the map's; none removes them. */
   tool?: string;
   sensor?: Sensor;
-  /** The observed object or, with the sensor tool, tool. */
+  /** The observed object or, with the sensors tool and factor, tool or factor. */
   thing?: number;
   cells?: Cell[];
   /** In actions. */
   horizon?: number;
   actions?: ActionSet;
+  /** Of a board, the indices of the actions; by default all. */
+  only?: number[];
   /** The probability that a random action replaces the chosen one. */
   slip?: number;
 }

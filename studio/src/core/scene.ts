@@ -1,7 +1,10 @@
 /** A world and the question asked about it: the content of a link to the page. */
 
-import type { ActionSet, Cell, Placement, Scene as SceneMessage, Sensor } from "./protocol";
+import type { ActionSet, Cell, Placement, Scene as SceneMessage, Sensor as AnySensor } from "./protocol";
 import { drawnOf, namesOf, type Tool, type World } from "./world";
+
+/** Sensors of maps. */
+export type Sensor = Exclude<AnySensor, "factor">;
 
 export interface Scene {
   readonly world: World;
@@ -33,7 +36,7 @@ export const ACTION_SETS: Record<ActionSet, string> = {
 
 export const NO_TOOL = "none";
 
-export function cellOf(world: World, index: number): Cell {
+export function cellOf(world: Pick<World, "width">, index: number): Cell {
   return [Math.floor(index / world.width), index % world.width];
 }
 

@@ -2,8 +2,8 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
-import type { ActionSet, Sensor } from "../core/protocol";
-import { ACTION_SETS, SENSORS, toolsOf, type Scene } from "../core/scene";
+import type { ActionSet } from "../core/protocol";
+import { ACTION_SETS, SENSORS, toolsOf, type Scene, type Sensor } from "../core/scene";
 import { capital } from "../core/words";
 import { namesOf, type Thing, type Tool } from "../core/world";
 import { field, offer, segmented, select, slider } from "../frame/widgets";

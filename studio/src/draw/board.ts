@@ -23,11 +23,15 @@ export interface Mark {
 }
 
 export interface Picture {
-  world: World;
+  world: Pick<World, "height" | "width" | "walls">;
   /** The things to draw. */
   things: readonly Stood[];
   /** Bits for each cell, with the scale of their colours. */
   values?: { grid: (number | null)[][]; scale: Scale; unlabelled?: boolean } | null;
+  /** Drawings that stay in their cells, below the things. */
+  still?: readonly { cell: Cell; drawing: string }[];
+  /** An image of the whole board, instead of drawings. */
+  image?: string | null;
   /** Cells that the sensor observes. */
   chosen?: Cell[];
   /** Reachable cells; the values fade while they are shown. */
@@ -65,7 +69,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
     picture.append(group);
     return group;
   };
-  const [floor, heat, walls] = [layer("floor"), layer("heat"), layer("walls")];
+  const [floor, image, heat, walls] = [layer("floor"), layer("image"), layer("heat"), layer("walls")];
   const [labels, arrows, things] = [layer("labels"), layer("arrows"), layer("things")];
   const [goal, chosen, marks] = [layer("goal"), layer("chosen"), layer("marks")];
   const [now, cursors, cells] = [layer("now"), layer("cursor"), layer("cells")];
@@ -90,7 +94,10 @@ export function createBoard(name: string, id: string, moving = false): Board {
     }
     shown = next;
     const wall = ([row, column]: Cell) => walled[row * width + column] ?? false;
-    redraw(walls, everyCell(next.world, (cell) => (wall(cell) ? use("wall", ...corner(cell), UNIT) : "")));
+    const still = (next.still ?? []).map(({ cell, drawing }) => use(drawing, ...corner(cell), UNIT)).join("");
+    redraw(walls, everyCell(next.world, (cell) => (wall(cell) ? use("wall", ...corner(cell), UNIT) : "")) + still);
+    picture.classList.toggle("pictured", Boolean(next.image));
+    redraw(image, next.image ? `<image href="${next.image}" width="${width * UNIT}" height="${height * UNIT}"/>` : "");
     drawValues(next);
     redraw(chosen, (next.chosen ?? []).map((cell) => box("chosen", cell, 8)).join(""));
     redraw(marks, (next.marks ?? []).map((mark) => markOf(mark, isThing(next, mark.cell))).join(""));
@@ -145,7 +152,7 @@ export function createBoard(name: string, id: string, moving = false): Board {
     const valued = (cell: Cell) => (next.values?.grid[cell[0]]?.[cell[1]] ?? null) !== null;
     const left = new Set(standing.keys());
     const corners: string[] = [];
-    for (const { thing, cell, drawing, turn, badge, hidden } of next.things) {
+    for (const { thing, cell, drawing, turn, badge, hidden, whole } of next.things) {
       const [x, y] = corner(cell);
       if (hidden) {
         corners.push(use(drawing, x + 56, y + 54, 44));
@@ -159,8 +166,12 @@ export function createBoard(name: string, id: string, moving = false): Board {
         standing.set(id, group);
       }
       things.append(group);
-      const [at, top, wide] = !next.values ? [4, 4, 92] : valued(cell) ? [21, 4, 58] : [10, 10, 80];
       group.style.transform = `translate(${x}px, ${y}px)`;
+      if (whole) {
+        redraw(group, use(drawing, 0, 0, UNIT));
+        continue;
+      }
+      const [at, top, wide] = !next.values ? [4, 4, 92] : valued(cell) ? [21, 4, 58] : [10, 10, 80];
       const plate = use("plate", at, top, wide);
       const around = `rotate(${turn} ${at + wide / 2} ${top + wide / 2})`;
       const mark = badge ? use(badge, at + 0.28 * wide, top + 0.36 * wide, 0.44 * wide) : "";

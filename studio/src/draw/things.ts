@@ -17,6 +17,8 @@ export interface Stood {
   readonly badge: string | null;
   /** Whether something covers it; it is then drawn small. */
   readonly hidden: boolean;
+  /** Whether its drawing fills its cell, or goes beyond it. */
+  readonly whole?: boolean;
 }
 
 /** The things to draw, back to front. */

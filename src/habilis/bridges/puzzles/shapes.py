@@ -6,6 +6,7 @@ Coordinates are those of `habilis.worlds.pictures.shapes`, in cells of the whole
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
+from habilis.bridges.puzzles.bodies import Body
 from habilis.worlds.grid import Cell
 from habilis.worlds.pictures.shapes import (
     BLUE,
@@ -56,24 +57,33 @@ def puzzle_drawings(puzzle: "PushWorld", agent: bool = True) -> list[Drawing]:
     """
     colours = body_colours(puzzle)
     bodies = {body.name: body for body in puzzle.bodies}
-    drawings = [placed(_AGENT_WALL, column, row) for row, column in sorted(puzzle.agent_walls)]
+    drawings = [placed(AGENT_WALL, column, row) for row, column in sorted(puzzle.agent_walls)]
     filled = set()
     for goal in puzzle.goals:
         first = bodies[goal.bodies[0]]
-        colour = colours[first.name]
-        cells = first.covered(goal.corner)
-        ring = (*_solid(colour, cells, 0.08, 0.1), *_solid(_pale(colour), cells, 0.17, 0.06))
-        number = _number(first.name, cells, colour) if len(goal.bodies) == 1 else ()
-        drawings.append((*ring, *number))
+        alone = len(goal.bodies) == 1
+        drawings.append(goal_drawing(first, colours[first.name], goal.corner, alone))
         filled |= {name for name in goal.bodies if bodies[name].corner == goal.corner}
     for body in puzzle.bodies[1:]:
-        line, width = (LEAF, 0.11) if body.name in filled else (INK, 0.05)
-        colour, cells = colours[body.name], body.covered()
-        outline = (*_solid(line, cells, 0.04, 0.16), *_solid(colour, cells, 0.04 + width, 0.1))
-        drawings.append((*outline, *_number(body.name, cells, ink_on(colour))))
+        drawings.append(movable_drawing(body, colours[body.name], body.corner, body.name in filled))
     if agent:
-        drawings.append(_agent(puzzle.bodies[0].covered()))
+        drawings.append(agent_drawing(puzzle.bodies[0].covered()))
     return drawings
+
+
+def goal_drawing(body: Body, colour: str, corner: Cell, numbered: bool) -> Drawing:
+    """The place for a body whose corner belongs into a cell."""
+    cells = body.covered(corner)
+    ring = (*_solid(colour, cells, 0.08, 0.1), *_solid(_pale(colour), cells, 0.17, 0.06))
+    return (*ring, *(_number(body.name, cells, colour) if numbered else ()))
+
+
+def movable_drawing(body: Body, colour: str, corner: Cell, filled: bool) -> Drawing:
+    """A movable whose corner is in a cell, and whether it fills a goal there."""
+    line, width = (LEAF, 0.11) if filled else (INK, 0.05)
+    cells = body.covered(corner)
+    outline = (*_solid(line, cells, 0.04, 0.16), *_solid(colour, cells, 0.04 + width, 0.1))
+    return (*outline, *_number(body.name, cells, ink_on(colour)))
 
 
 def body_colours(puzzle: "PushWorld") -> dict[str, str]:
@@ -87,7 +97,7 @@ def body_colours(puzzle: "PushWorld") -> dict[str, str]:
     return colours | {puzzle.bodies[0].name: BLUE}
 
 
-def _agent(cells: Sequence[Cell]) -> Drawing:
+def agent_drawing(cells: Sequence[Cell]) -> Drawing:
     """The robot, or its face on a body of several cells."""
     row, column = _middle(cells)
     if len(cells) == 1:
@@ -185,7 +195,7 @@ def _stripe(start: float, end: float) -> Shape:
     return polygon(STEEL, (start - 1, 1), (1, start - 1), (1, end - 1), (end - 1, 1))
 
 
-_AGENT_WALL: Drawing = (
+AGENT_WALL: Drawing = (
     _rectangle("#dde1e6", 0, 0, 1, 1),
     *(_stripe(start, start + 0.2) for start in (0.15, 0.65, 1.15, 1.65)),
 )

@@ -101,6 +101,9 @@ class StepAnswer(Answer, kw_only=True):
     attached: bool | UnsetType = UNSET
     reward: float | UnsetType | None = UNSET
     ended: bool | UnsetType = UNSET
+    image: Annotated[
+        str | UnsetType, Meta(description="of an environment: its picture, as a data URI")
+    ] = UNSET
 
 
 class LearningCurve(Struct, frozen=True):

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from msgspec import Meta, Struct
 
-from habilis.studio.protocol.scenes import Drawn
+from habilis.studio.protocol.scenes import Cell, Drawn, Placement
 
 Drawing = Annotated[
     list[tuple[str, str]],
@@ -79,6 +79,41 @@ class Shown(Struct, frozen=True):
     number: Annotated[int, Meta(description="how often it has set one")]
 
 
+class Movable(Struct, frozen=True):
+    """A thing on a board that is drawn where placements have it."""
+
+    name: str
+    drawing: Drawing
+    filled: Annotated[Drawing | None, Meta(description="in one of its goals")]
+    goals: list[Cell]
+
+
+class Still(Struct, frozen=True):
+    """A part of a board that stays in its cell."""
+
+    cell: Cell
+    drawing: Drawing
+
+
+class BoardAbout(Struct, frozen=True):
+    """A puzzle or environment, which can be played and measured as it is.
+
+    It is drawn by its cells, or by an image of each state.
+    """
+
+    name: str
+    ground: Annotated[str, Meta(description="rows of # (wall) and . (floor)")]
+    actions: list[str]
+    factors: Annotated[list[str], Meta(description="that can be observed")]
+    start: Placement
+    random: Annotated[bool, Meta(description="whether its actions have random outcomes")]
+    agent: Annotated[Movable, Meta(description="without a drawing, the studio's own is used")]
+    objects: Annotated[list[Movable], Meta(description="in the order of placements")]
+    still: Annotated[list[Still], Meta(description="from back to front")]
+    states: Annotated[int | None, Meta(description="their number, if it is known")]
+    image: Annotated[str | None, Meta(description="of its first state, as a data URI")]
+
+
 class Hello(Struct, frozen=True):
     """The studio and its choices."""
 
@@ -92,6 +127,12 @@ class Hello(Struct, frozen=True):
     shapes: dict[str, Drawing]
     run: Annotated[
         RunAbout | None, Meta(description="of the folder that the studio was started with")
+    ]
+    board: Annotated[
+        BoardAbout | None, Meta(description="that the studio was started with, if any")
+    ]
+    world: Annotated[
+        Drawn | None, Meta(description="the map that the studio was started with, if any")
     ]
     kept: Annotated[
         str | None, Meta(description="the folder in which trainings outlive the studio")

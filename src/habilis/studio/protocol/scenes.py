@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from habilis.studio.limits import HORIZON, SIDES, SLIP, THINGS, TOOL_SLIP
+from habilis.studio.limits import FACTORS, HORIZON, SIDES, SLIP, THINGS, TOOL_SLIP
 
 GIVE = "give"
 """In the `extra` of a type: the words in which an error asks for it."""
@@ -18,15 +18,19 @@ Cell = Annotated[
         extra={GIVE: "a cell as [row, column]"},
     ),
 ]
-Index = Annotated[int, Meta(ge=0, le=2**53)]  # up to here JavaScript represents integers exactly
+LARGEST = 2**53  # up to here JavaScript represents integers exactly
+Index = Annotated[int, Meta(ge=0, le=LARGEST)]
 Hand = Annotated[int, Meta(ge=-1, lt=THINGS)]
 Grid = Annotated[
     list[list[float | None]],
     Meta(title="Grid", description="A value for each cell, row by row; null where there is none."),
 ]
 Sensor = Annotated[
-    Literal["state", "object", "tool", "agent", "cells"],
-    Meta(title="Sensor", description="`cells` observes the object in the scene's cells only."),
+    Literal["state", "object", "tool", "agent", "cells", "factor"],
+    Meta(
+        title="Sensor",
+        description="`cells` observes the object in the scene's cells only; `factor` is a board's.",
+    ),
 ]
 ActionSet = Annotated[Literal["all", "moves", "tool"], Meta(title="ActionSet")]
 
@@ -60,7 +64,7 @@ class Drawn(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Scene(Struct, frozen=True, forbid_unknown_fields=True):
-    """A world, as `map` or as `drawn`, and the question asked about it."""
+    """A world, as `map` or as `drawn`, or a board; and the question asked about it."""
 
     map: Annotated[
         str | UnsetType,
@@ -70,6 +74,7 @@ class Scene(Struct, frozen=True, forbid_unknown_fields=True):
         ),
     ] = UNSET
     drawn: Drawn | UnsetType = UNSET
+    board: Annotated[str | UnsetType, Meta(description="the name of the board in `Hello`")] = UNSET
     tool: Annotated[
         str | UnsetType,
         Meta(description="one of those in `Hello`, which replaces the map's; none removes them"),
@@ -77,11 +82,19 @@ class Scene(Struct, frozen=True, forbid_unknown_fields=True):
     sensor: Sensor = "state"
     thing: Annotated[
         int,
-        Meta(ge=0, lt=THINGS, description="the observed object or, with the sensor tool, tool"),
+        Meta(
+            ge=0,
+            lt=FACTORS,
+            description="the observed object or, with the sensors tool and factor, tool or factor",
+        ),
     ] = 0
     cells: Annotated[list[Cell], Meta(max_length=SIDES[1] ** 2)] = []
     horizon: Annotated[int, Meta(ge=0, le=HORIZON, description="in actions")] = 0
     actions: ActionSet = "all"
+    only: Annotated[
+        list[Index] | UnsetType,
+        Meta(description="of a board, the indices of the actions; by default all"),
+    ] = UNSET
     slip: Annotated[
         float,
         Meta(
@@ -107,4 +120,7 @@ class Placement(Struct, frozen=True, forbid_unknown_fields=True):
     laid: Annotated[
         Hand | UnsetType,
         Meta(description="of the tool that was dropped and not left since, likewise"),
+    ] = UNSET
+    state: Annotated[
+        Index | UnsetType, Meta(description="of an environment: its state's index, which decides")
     ] = UNSET

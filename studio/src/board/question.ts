@@ -1,0 +1,83 @@
+/** The question asked about the board, and its controls. */
+
+import type { App } from "../core/app";
+import { h } from "../core/elements";
+import type { BoardAbout, Scene } from "../core/protocol";
+import { capital } from "../core/words";
+import { field, select, slider } from "../frame/widgets";
+
+/** The board and the question, in the server's format. */
+export type Asked = Scene & Required<Pick<Scene, "board" | "sensor" | "thing" | "horizon" | "slip">>;
+
+export interface Question {
+  readonly element: HTMLElement;
+  scene(): Asked;
+  /** The observed thing in words. */
+  sensed(): string;
+  watch(watcher: () => void): void;
+}
+
+const EVERYTHING = "state";
+const FIRST_HORIZON = 3;
+
+export function createQuestion({ hello }: App, board: BoardAbout): Question {
+  const watchers: (() => void)[] = [];
+  let scene: Asked = {
+    board: board.name, sensor: EVERYTHING, thing: 0, horizon: FIRST_HORIZON, slip: 0,
+  };
+  function change(part: Partial<Scene>): void {
+    scene = { ...scene, ...part };
+    for (const watcher of watchers) watcher();
+  }
+
+  const names = Object.fromEntries(board.factors.map((name, of) => [`factor ${of}`, wordsFor(name)]));
+  const sensor = select<string>("Sensor", { [EVERYTHING]: "Everything", ...names }, (chosen) =>
+    change(chosen === EVERYTHING ? { sensor: EVERYTHING, thing: 0 } : { sensor: "factor", thing: Number(chosen.split(" ")[1]) }),
+  );
+  sensor.id = "board-sensor";
+  const horizon = slider(
+    "Steps ahead",
+    { id: "board-horizon", least: 0, most: hello.limits.horizon, step: 1 },
+    String,
+    (horizon) => change({ horizon }),
+  );
+  horizon.show(scene.horizon);
+  const slip = slider(
+    "Slip",
+    { id: "board-slip", least: 0, most: hello.limits.slip, step: 0.05 },
+    (value) => `${Math.round(100 * value)} %`,
+    (slip) => change({ slip }),
+  );
+  slip.show(0);
+
+  const boxes = board.actions.map(() => h("input", { type: "checkbox", checked: true }));
+  for (const box of boxes) {
+    box.addEventListener("change", () => {
+      if (!boxes.some(({ checked }) => checked)) box.checked = true; // at least one
+      change({ only: boxes.flatMap(({ checked }, action) => (checked ? [action] : [])) });
+    });
+  }
+  const actions = h(
+    "div",
+    { class: "action-set", role: "group", "aria-label": "Actions", id: "board-actions" },
+    ...boxes.map((box, action) => h("label", {}, box, h("span", {}, board.actions[action]!))),
+  );
+  return {
+    element: h(
+      "div",
+      { class: "question" },
+      horizon.element,
+      field("Sensor", sensor),
+      field("Actions", actions),
+      slip.element,
+    ),
+    scene: () => scene,
+    sensed: () => (scene.sensor === EVERYTHING ? "state" : wordsFor(board.factors[scene.thing]!).toLowerCase()),
+    watch: (watcher) => watchers.push(watcher),
+  };
+}
+
+/** A factor in words: "object:m0" is the movable m0. */
+function wordsFor(factor: string): string {
+  return capital(factor.replace(/^object:/, ""));
+}
