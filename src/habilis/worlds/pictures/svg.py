@@ -82,7 +82,7 @@ def _uses(world: World | Drawn, shared: dict[str, str]) -> str:
     """The picture of a world as uses of outlines, which are added to `shared`."""
     parts = [_use(_background(world, shared), shared, 0, 0)]
     if not isinstance(world, World):
-        return "".join([*parts, *map(_paths, world.drawings())])
+        return "".join([*parts, *(_use(_paths(one), shared, 0, 0) for one in world.drawings())])
     for (row, column), drawing in things_of(world, world.agent).items():
         parts.append(_use(_paths(drawing), shared, column, row))
     return "".join(parts)
