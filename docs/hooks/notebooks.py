@@ -52,10 +52,13 @@ def executed(notebook: NotebookNode, name: str) -> NotebookNode:
     with TemporaryDirectory() as folder:
         where = {"metadata": {"path": folder}}
         try:
-            client = NotebookClient(
-                notebook, timeout=SECONDS, kernel_name="python3", resources=where
-            )
-            client.execute()
+            NotebookClient(
+                notebook,
+                timeout=SECONDS,
+                kernel_name="python3",
+                resources=where,
+                extra_arguments=["--log-level=ERROR"],
+            ).execute()
         except CellExecutionError as error:
             raise PluginError(f"{name}: {error}") from None
     return notebook
