@@ -101,6 +101,7 @@ def test_a_page_has_what_cells_show_and_links_of_its_own():
         ]
     )
     *files, (page, text) = notebooks.page_of(notebook, "one")
+    assert isinstance(text, str)
     assert files == [("one-1.svg", "<svg/>"), ("one-2.png", b"\0\0\0")]
     assert page == "one.md"
     assert "[a](../how-to/studio.md#x), [b](pushworld.md), [c](https://x.org)" in text

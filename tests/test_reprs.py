@@ -14,7 +14,7 @@ from habilis.analysis import futures, usefulness
 from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.learning.curves import learning_curve
 from habilis.learning.runs import Run
-from habilis.reprs import bars_svg, counted, listed, number, quietly, repeated, table_html
+from habilis.reprs import bars_svg, counted, listed, number, quietly, repeated, settings, table_html
 from habilis.studies.comparison import Comparison
 from habilis.worlds.pictures.svg import chosen_places, world_svg
 
@@ -132,6 +132,15 @@ LINES = {
     "comparison": (
         Comparison(0.9, 0.01, 5, 4),
         "<Comparison: holds; superiority 0.90, p = 0.01; 5 and 4 runs converged>",
+    ),
+    "configuration": (
+        hb.Config(world="yard", algorithm=hb.PPO(envs=4), intrinsic="object", horizon=3, beta=0.1),
+        "Config(world='yard', algorithm=PPO(envs=4), intrinsic='object', horizon=3, beta=0.1)",
+    ),
+    "plain configuration": (hb.Config(), "Config()"),
+    "configuration of a table": (
+        hb.Config(world=MDP),
+        "Config(world=<TabularMDP: 2 states, 2 actions, deterministic; start 0>)",
     ),
     "usefulness": (
         usefulness(hb.World.parse("APCG", "line"), 1),
@@ -263,6 +272,8 @@ def test_a_map_too_large_to_draw_unasked_is_text():
 def test_what_cannot_be_drawn_is_text_and_no_traceback():
     broken = replace(hb.tabulate(LINE), start=10**6)
     assert broken._repr_html_() is None
+    assert repr(broken).startswith("<habilis.mdp.TabularMDP object at 0x")
+    assert repr(hb.Config.__new__(hb.Config)).startswith("<habilis.learning.config.Config object")
 
     class Thing:
         @quietly
@@ -283,3 +294,9 @@ def test_words_of_numbers_and_lists():
     assert listed(str(k) for k in range(15)).endswith("11, and 3 more")
     ElementTree.fromstring(bars_svg(np.zeros(0)))
     assert len(bars_svg(np.full(10_000, 1e-4))) < 5000
+
+
+def test_the_line_of_a_configuration_makes_it():
+    config = hb.Config(world="yard", algorithm=hb.QLearning(learning_rate=0.3), runs=4, seed=2)
+    assert eval(repr(config), vars(hb) | {"Config": hb.Config, "QLearning": hb.QLearning}) == config
+    assert settings(config, ("algorithm",)) == repr(config)

@@ -107,13 +107,16 @@ def _shown(
         return f'<div class="shown" markdown="0">{html}</div>', None
     for kind, suffix in _SUFFIXES.items():
         if kind in output.data:
-            alt = alt or text
-            if alt.startswith(_FIGURE):
+            words = alt or text
+            if words.startswith(_FIGURE):
                 raise PluginError(f'{stem}: its figure needs a description, metadata "alt"')
             content = output.data[kind]
             name = f"{stem}{suffix}"
             bytes_of = content if suffix == ".svg" else _decoded(content)
-            return f'<p class="shown"><img alt="{escape(alt)}" src="{name}"></p>', (name, bytes_of)
+            return f'<p class="shown"><img alt="{escape(words)}" src="{name}"></p>', (
+                name,
+                bytes_of,
+            )
     return _verbatim(text), None
 
 

@@ -21,7 +21,7 @@ from habilis.mdp_arguments import (
     transition_matrix,
 )
 from habilis.mdp_description import contents, described
-from habilis.reprs import quietly, short, table_html
+from habilis.reprs import quietly, short, table_html, unfailing
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -109,6 +109,7 @@ class TabularMDP:
     model_states: "ModelStates | None" = field(default=None, repr=False)
     drawn: Any = field(default=None, repr=False)
 
+    @unfailing
     def __repr__(self) -> str:
         return short("TabularMDP", *described(self))
 

@@ -4,7 +4,8 @@ A representation computes nothing expensive, is the same for the same object, an
 """
 
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import MISSING, fields
 from functools import wraps
 from html import escape
 from itertools import groupby
@@ -38,6 +39,44 @@ def quietly(show: Callable[[Any], Any]) -> Callable[[Any], Any]:
             return None
 
     return shown
+
+
+def unfailing(line: Callable[[Any], str]) -> Callable[[Any], str]:
+    """The method `__repr__`, the plain one of Python where it fails, as of a damaged object."""
+
+    @wraps(line)
+    def shown(self: Any) -> str:
+        try:
+            return line(self)
+        except Exception:
+            return object.__repr__(self)
+
+    return shown
+
+
+def settings(thing: Any, nested: Collection[str] = ()) -> str:
+    """A dataclass of settings as the call that makes it: those that have not their defaults.
+
+    Args:
+        thing: the settings.
+        nested: the fields that are settings themselves.
+
+    Example:
+        >>> from dataclasses import dataclass
+        >>> @dataclass
+        ... class Two:
+        ...     one: int = 1
+        ...     two: int = 2
+        >>> settings(Two(two=3))
+        'Two(two=3)'
+    """
+    parts = []
+    for one in fields(thing):
+        value = getattr(thing, one.name)
+        usual = one.default if one.default_factory is MISSING else one.default_factory()
+        if value is not usual and value != usual:
+            parts.append(f"{one.name}={settings(value) if one.name in nested else repr(value)}")
+    return f"{type(thing).__name__}({', '.join(parts)})"
 
 
 def short(name: str, *parts: str) -> str:

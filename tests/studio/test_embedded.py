@@ -100,9 +100,21 @@ def test_a_world_that_the_page_cannot_show_is_refused(
     assert notebook.world is before
 
 
-def test_wrong_arguments_are_named():
-    with pytest.raises(ValueError, match="height is 0; give a number of pixels"):
-        hb.open_studio(height=0)
+@pytest.mark.ill_typed
+def test_wrong_arguments_are_named(notebook):
+    for height in (0, "640", 1.5, True):
+        with pytest.raises(ValueError, match=f"height is {height!r}; give a whole number"):
+            hb.open_studio(height=height)
+    for given, problem in (
+        ({"base_path": None}, "base path is None; give the path"),
+        ({"trusted_origin": 5}, "trusted origin is 5; give scheme"),
+    ):
+        with pytest.raises(ValueError, match=problem):
+            hb.open_studio(**given)
+    with pytest.raises(ValueError, match="world is 5; give a built-in world's name"):
+        hb.open_studio(5)
+    with pytest.raises(ValueError, match="world is 'corridor'; give a World"):
+        notebook.world = "corridor"
     with pytest.raises(ValueError, match="base path is 'x'"):
         hb.open_studio(base_path="x")
     with pytest.raises(ValueError, match="trusted origin is 'hub'"):

@@ -26,7 +26,7 @@ from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
 from habilis.progress import progress_bar
-from habilis.reprs import counted, short
+from habilis.reprs import counted, short, unfailing
 from habilis.worlds.world import World
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ class Futures:
     observations: Int64[np.ndarray, "m"]
     channel: Float64[np.ndarray, "k m"]
 
+    @unfailing
     def __repr__(self) -> str:
         return short(
             "Futures",

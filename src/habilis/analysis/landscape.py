@@ -18,7 +18,7 @@ from habilis.empowerment.sensors import Sensor
 from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel
-from habilis.reprs import counted, quietly, short
+from habilis.reprs import counted, quietly, short, unfailing
 from habilis.worlds.placements import Factors
 from habilis.worlds.things import Where
 from habilis.worlds.world import World
@@ -111,6 +111,7 @@ class Landscape:
         else:
             save_table(self.to_dataframe(), path)
 
+    @unfailing
     def __repr__(self) -> str:
         there = self.values[np.isfinite(self.values)]
         most = f" to {there.max():.2f}" if there.size else ""

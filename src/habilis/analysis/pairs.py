@@ -25,7 +25,7 @@ from habilis.empowerment.methods import Exact, bounds_of
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.files import save_whole, suffix_of
 from habilis.progress import progress_bar
-from habilis.reprs import quietly, short
+from habilis.reprs import quietly, short, unfailing
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import NO_TOOL, World
@@ -161,6 +161,7 @@ class Pairs:
         else:
             save_table(self.to_dataframe(), path)
 
+    @unfailing
     def __repr__(self) -> str:
         first = max(map(len, self.tools))
         widths = [max(len(name), len("0.00")) + 2 for name in self.objects]

@@ -10,7 +10,7 @@ from habilis.analysis.averages import NOTHING, compared_states, held
 from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.mdp import TabularMDP
-from habilis.reprs import counted, short
+from habilis.reprs import counted, short, unfailing
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import NO_TOOL, World
 
@@ -50,6 +50,7 @@ class Usefulness:
     gap_with_tool: float
     gap_without: float
 
+    @unfailing
     def __repr__(self) -> str:
         better, worse = (flags.mean() for flags in (self.better_than_none, self.encumbers))
         return short(

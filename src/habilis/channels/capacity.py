@@ -10,7 +10,7 @@ from jaxtyping import Float64, Int64, Integer
 from habilis.callers import caller_outside
 from habilis.checks import is_number
 from habilis.probabilities import row_stochastic, shape_of
-from habilis.reprs import bars_svg, counted, quietly, short, table_html
+from habilis.reprs import bars_svg, counted, quietly, short, table_html, unfailing
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -39,6 +39,7 @@ class Capacity:
     gap: float
     input_distribution: Float64[np.ndarray, "n"]
 
+    @unfailing
     def __repr__(self) -> str:
         inputs = self.input_distribution
         used = f"{np.count_nonzero(inputs > _UNUSED):,} of {counted(inputs.size, 'input')} used"

@@ -8,6 +8,7 @@ from habilis.checks import as_in, at_least, check_types, one_of, setting, share
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.algorithms.protocol import Algorithm
 from habilis.mdp import TabularMDP
+from habilis.reprs import settings, unfailing
 from habilis.rewards.shaping import Bonus
 
 DEFAULT = "a2c"
@@ -95,6 +96,10 @@ class Config:
         0, "further placements, held out of training, for the success rate on unseen ones"
     )
     starts_seed: int = setting(0, "random seed of these placements")
+
+    @unfailing
+    def __repr__(self) -> str:
+        return settings(self, nested=("algorithm",))
 
     def __post_init__(self) -> None:
         if not isinstance(self.world, str | TabularMDP):

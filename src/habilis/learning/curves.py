@@ -8,7 +8,7 @@ import polars as pl
 from jaxtyping import Float, Int
 
 from habilis.learning.runs import Run
-from habilis.reprs import short
+from habilis.reprs import short, unfailing
 from habilis.statistics import STATISTICS, bootstrap_interval
 
 SMOOTHING = 100  # episodes
@@ -48,6 +48,7 @@ class Curve:
     low: Float[np.ndarray, "points"]
     high: Float[np.ndarray, "points"]
 
+    @unfailing
     def __repr__(self) -> str:
         return short("Curve", self.text())
 

@@ -12,7 +12,7 @@ from habilis.learning.config import Config
 from habilis.learning.convergence import MARGIN, Averages
 from habilis.learning.episodes import Ledger
 from habilis.learning.sources import Source, map_of
-from habilis.reprs import counted, number, quietly, short
+from habilis.reprs import counted, number, quietly, short, unfailing
 from habilis.worlds.world import World
 
 
@@ -40,6 +40,7 @@ class Run:
     converged_at: tuple[int | None, ...]
     parameters: Any
 
+    @unfailing
     def __repr__(self) -> str:
         return short("Run", *self._described())
 

@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 from jaxtyping import Float
 
-from habilis.reprs import short
+from habilis.reprs import short, unfailing
 from habilis.statistics import mann_whitney, van_elteren
 
 SIGNIFICANT = 0.05
@@ -43,6 +43,7 @@ class Comparison:
     sooner_converged: int
     later_converged: int
 
+    @unfailing
     def __repr__(self) -> str:
         converged = f"{self.sooner_converged} and {self.later_converged} runs converged"
         odds = f"superiority {self.superiority:.2f}, p = {self.p:.2g}"

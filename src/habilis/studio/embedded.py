@@ -69,6 +69,8 @@ class NotebookStudio:
 
     @world.setter
     def world(self, world: World) -> None:
+        if not isinstance(world, World):
+            raise ValueError(f"world is {world!r:.80}; give a World, as load_world makes one")
         for tool in world.own_tools:
             if tool not in self._tools:
                 raise ValueError(
@@ -152,6 +154,6 @@ def open_studio(
         world = _FIRST
     if not isinstance(world, World):
         world = load_world(world)
-    if height < 1:
-        raise ValueError(f"height is {height}; give a number of pixels")
+    if isinstance(height, bool) or not isinstance(height, int) or height < 1:
+        raise ValueError(f"height is {height!r}; give a whole number of pixels")
     return NotebookStudio(SharedWorld(world), height, base_path, trusted_origin)

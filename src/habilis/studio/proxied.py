@@ -24,9 +24,13 @@ def base_path(given: str, port: int) -> str:
         >>> base_path("/user/x/proxy/{port}", 8765)
         '/user/x/proxy/8765/'
     """
-    path = given.replace(_PORT, str(port))
+    path = str(given).replace(_PORT, str(port))
     path = path if path.endswith("/") else f"{path}/"
-    if not _PATH.fullmatch(path) or set(unquote(path)) & set("\r\n\\?#"):
+    if (
+        not isinstance(given, str)
+        or not _PATH.fullmatch(path)
+        or set(unquote(path)) & set("\r\n\\?#")
+    ):
         raise ValueError(
             f"base path is {given!r}; give the path at which the proxy serves the studio, such as "
             "/user/x/proxy/{port}/"
@@ -68,7 +72,7 @@ def _origin(given: str) -> str:
         "https://hub.example.org"
     )
     try:
-        parts = urlsplit(given)
+        parts = urlsplit(given if isinstance(given, str) else "")
         port = parts.port
     except ValueError:
         raise fault from None

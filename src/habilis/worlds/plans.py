@@ -9,7 +9,7 @@ from jaxtyping import Float, Float64, Int64
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore_to_end
 from habilis.models.limits import MAX_STATES
-from habilis.reprs import counted, number, quietly, repeated, short
+from habilis.reprs import counted, number, quietly, repeated, short, unfailing
 from habilis.transitions import Transitions
 from habilis.worlds.world import World
 
@@ -46,6 +46,7 @@ class Plan:
         names = () if self.table is None else self.table.actions
         return tuple(names[a] if a < len(names) else str(a) for a in self.actions)
 
+    @unfailing
     def __repr__(self) -> str:
         size = f"{counted(self.steps, 'step')}, return {number(self.best_return)}"
         return short("Plan", size, repeated(self.action_names))

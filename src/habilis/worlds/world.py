@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from habilis.files import shown
-from habilis.reprs import quietly, short
+from habilis.reprs import quietly, short, unfailing
 from habilis.worlds.grid import Cell as Cell
 from habilis.worlds.grid import Grid
 from habilis.worlds.map_text import FLOOR, WALL
@@ -81,6 +81,7 @@ class World:
                     f"{self.name}: two of {', '.join(names)} have one name; give each its own"
                 )
 
+    @unfailing
     def __repr__(self) -> str:
         return short(f"World {self.name}", *described(self))
 

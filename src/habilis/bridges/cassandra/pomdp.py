@@ -12,7 +12,7 @@ from habilis.bridges.cassandra.parsing import Names, parsed
 from habilis.files import shown
 from habilis.mdp import TabularMDP
 from habilis.mdp_description import contents, described
-from habilis.reprs import counted, listed, quietly, short, table_html
+from habilis.reprs import counted, listed, quietly, short, table_html, unfailing
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +37,7 @@ class POMDP:
     discount: float
     observations: tuple[str, ...] = ()
 
+    @unfailing
     def __repr__(self) -> str:
         count = 0 if isinstance(self.sensor, str) else self.sensor.shape[-1]
         return short(

@@ -13,7 +13,7 @@ from habilis.bridges.puzzles.bodies import ACTIONS, Body, Collisions
 from habilis.bridges.puzzles.pushworld_text import parsed
 from habilis.bridges.puzzles.states import as_cells, check_apart, check_on_map, check_rows, whole
 from habilis.files import shown, text_of
-from habilis.reprs import counted, quietly, short
+from habilis.reprs import counted, quietly, short, unfailing
 from habilis.worlds.grid import Cell
 
 if TYPE_CHECKING:
@@ -82,6 +82,7 @@ class PushWorld:
 
     actions = ACTIONS
 
+    @unfailing
     def __repr__(self) -> str:
         size = f"{self.height} × {self.width} cells, {counted(len(self.walls), 'wall')}"
         bodies = ", ".join(f"{body.name} {body.corner}" for body in self.bodies)

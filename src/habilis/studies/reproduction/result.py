@@ -6,7 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from habilis.reprs import counted, short
+from habilis.reprs import counted, short, unfailing
 from habilis.studies.comparison import in_words, tally
 from habilis.studies.pace.data import MEASURES, Pace
 from habilis.studies.pace.slowness import WAYS, Association, association
@@ -43,6 +43,7 @@ class Reproduction:
     quick: bool
     seconds: float
 
+    @unfailing
     def __repr__(self) -> str:
         return short(
             "Reproduction",

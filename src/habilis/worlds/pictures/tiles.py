@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Integer, UInt8
 from numpy.typing import ArrayLike
 
-from habilis.reprs import short
+from habilis.reprs import short, unfailing
 from habilis.worlds.pictures.figures import bins, object_drawings, rendered, tool_looks
 from habilis.worlds.pictures.shapes import SHAPES, Drawing
 from habilis.worlds.world import Cell, World
@@ -38,6 +38,7 @@ class Tiles:
     objects: tuple[Look, ...]
     tools: tuple[UInt8[np.ndarray, "5 cells size size 3"], ...]
 
+    @unfailing
     def __repr__(self) -> str:
         rows, size, columns, _, _ = self.empty.shape
         return short("Tiles", f"{rows} × {columns} cells of {size} pixels")
