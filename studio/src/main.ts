@@ -24,6 +24,7 @@ import "./style/controls.css";
 import "./style/pictures.css";
 import "./style/views.css";
 import "./style/boards.css";
+import "./style/pairs.css";
 import "./style/portrait.css";
 import "./style/phone.css";
 import "./style/embedded.css";

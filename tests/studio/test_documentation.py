@@ -32,6 +32,7 @@ GUIDE = (ROOT / "docs" / "how-to" / "studio.md").read_text("utf-8")
         ("seconds of one computation, by an estimate or else by the clock", f"{limits.SECONDS:g}"),
         ("GiB of memory of one computation", f"{limits.GIB:g}"),
         ("placements that an average is estimated from", limits.DRAWN),
+        ("placements of a tool with an object under *Which tool?*", f"{limits.PAIR:,}"),
         ("pages at once", limits.CLIENTS),
         ("characters of a message", f"{limits.MESSAGE:,}"),
         ("runs of a training", limits.TRAINING["runs"]),

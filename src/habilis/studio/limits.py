@@ -8,6 +8,9 @@ HORIZON = 10
 SLIP = 0.5
 TOOL_SLIP = 1.0
 
+PAIR = 1_000_000
+"""Placements of a pair of a tool and an object, which are compared exactly."""
+
 BOARD_SIDE = 60
 """The most rows, and columns, of a board: a puzzle or environment that the studio shows."""
 BOARD_STATES = 200_000

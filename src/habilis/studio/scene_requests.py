@@ -25,7 +25,7 @@ from habilis.studio.protocol.answers import (
     SolveAnswer,
     StepAnswer,
 )
-from habilis.studio.scenes import AnyScene, Scene
+from habilis.studio.scenes import AnyScene, Scene, of_a_map
 from habilis.worlds.grid import Cell
 from habilis.worlds.world import NO_TOOL
 
@@ -180,17 +180,6 @@ async def _average(
 async def read(pools: Pools, client: Client, request: requests.Read, scene: AnyScene) -> None:
     world = of_a_map(scene).world
     await client.answer(ReadAnswer(id=request.id, drawn=drawn_of(world), text=world.text()))
-
-
-def of_a_map(scene: AnyScene) -> Scene:
-    """The scene of a map.
-
-    Raises:
-        ValueError: it is one of a board.
-    """
-    if not isinstance(scene, Scene):
-        raise ValueError("a board has no map; give one as text or drawn")
-    return scene
 
 
 async def futures(pools: Pools, client: Client, request: requests.Futures, scene: AnyScene) -> None:

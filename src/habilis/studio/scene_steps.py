@@ -24,6 +24,7 @@ from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
 from habilis.mdp import TabularMDP
 from habilis.models.limits import TooManyStatesError
 from habilis.studio.limits import BOARD_STATES, DRAWN, FEWEST, GIB, SECONDS
+from habilis.studio.pairs import pair
 from habilis.studio.protocol import scenes as protocol
 from habilis.studio.random_placements import random_placements
 from habilis.studio.scenes import ELSEWHERE, AnyScene, Scene, Where
@@ -226,7 +227,7 @@ def _in_words(one: Callable[..., Answer]) -> Callable[..., Answer]:
     return step
 
 
-_ALL = (landscape, cells, stretch, sampled, average, choices, plan, step)
+_ALL = (landscape, cells, pair, stretch, sampled, average, choices, plan, step)
 STEPS: dict[str, Callable[..., Answer]] = {one.__name__: _in_words(one) for one in _ALL}
 """The steps that a worker can run, by name."""
 

@@ -255,6 +255,17 @@ class Scene:
         return Factors.of(self.world).objects[0 if self.sensor == "tool" else self.thing]
 
 
+def of_a_map(scene: AnyScene) -> Scene:
+    """The scene of a map.
+
+    Raises:
+        ValueError: it is one of a board.
+    """
+    if not isinstance(scene, Scene):
+        raise ValueError("a board has no map; give one as text or drawn")
+    return scene
+
+
 def _within_reach(world: World, at: Placement) -> tuple[TabularMDP, int]:
     """The table reachable from a placement, and the placement's state."""
     try:

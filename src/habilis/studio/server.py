@@ -21,7 +21,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 import habilis
 from habilis.extras import check_installed
 from habilis.files import check_folder
-from habilis.studio import limits, scene_requests, training_requests
+from habilis.studio import limits, pairs, scene_requests, training_requests
 from habilis.studio.clients import Client
 from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.limits import CLIENTS, MESSAGE
@@ -131,6 +131,8 @@ class Studio:
                 return
             case requests.Measure() if scene is not None:
                 work = scene_requests.measure(pools, self.all_tools, client, request, scene)
+            case requests.Pairs() if scene is not None:
+                work = pairs.answer(pools.slow, self.all_tools, client, request, scene)
             case requests.Train() if scene is not None:
                 work = training_requests.train(pools, trainings, client, request, scene)
             case requests.Trainings():

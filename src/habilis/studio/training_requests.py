@@ -17,8 +17,8 @@ from habilis.studio.protocol.answers import (
     TrainAnswer,
     TrainingsAnswer,
 )
-from habilis.studio.scene_requests import Pools, of_a_map
-from habilis.studio.scenes import AnyScene
+from habilis.studio.scene_requests import Pools
+from habilis.studio.scenes import AnyScene, of_a_map
 from habilis.studio.training_jobs import Training, Trainings
 
 _INTERVAL = 1.0  # seconds between two updates of the curve

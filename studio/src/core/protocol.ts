@@ -79,6 +79,44 @@ export interface MeasureAnswer extends LandscapeAnswer {
   why?: string;
 }
 
+/** A tool that is compared. */
+export interface PairTool {
+  name: string;
+  kind: string;
+}
+
+/** The measures of a tool with an object; `why` if they are not available. */
+export interface Pair {
+  /** Its index. */
+  tool: number;
+  /** Its index. */
+  object: number;
+  /** Average object empowerment in bits, by horizon from 1 on. */
+  averages?: number[];
+  /** In cells. */
+  range?: number;
+  /** In actions, at best; null if there is none. */
+  latency?: number | null;
+  /** From a random placement, likewise. */
+  median_latency?: number | null;
+  /** In bits. */
+  persistence?: number;
+  /** Null if there is nothing to lose. */
+  reliability?: number | null;
+  why?: string;
+}
+
+/** The names, then each pair. */
+export interface PairsAnswer extends Answer {
+  /** The map's own in its order, then the others, then none. */
+  tools?: PairTool[];
+  /** In the map's order. */
+  objects?: string[];
+  /** The largest; at least 1. */
+  horizon?: number;
+  pair?: Pair;
+}
+
 /** Row, column and probability. */
 export type Reached = [number, number, number];
 
@@ -407,6 +445,12 @@ export interface Landscape extends Request {
   placement?: Placement;
 }
 
+/** Every tool with every object of a map, each pair alone, pair by pair. */
+export interface Pairs extends Request {
+  do: "pairs";
+  scene: Scene;
+}
+
 /** The futures that the agent can reach from a cell. */
 export interface Futures extends Request {
   do: "futures";
@@ -494,6 +538,7 @@ export interface Messages {
   read: { request: Read; answer: ReadAnswer };
   measure: { request: Measure; answer: MeasureAnswer };
   landscape: { request: Landscape; answer: LandscapeAnswer };
+  pairs: { request: Pairs; answer: PairsAnswer };
   futures: { request: Futures; answer: FuturesAnswer };
   solve: { request: Solve; answer: SolveAnswer };
   step: { request: Step; answer: StepAnswer };

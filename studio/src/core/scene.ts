@@ -68,7 +68,7 @@ export function fitted(scene: Scene): Scene {
 }
 
 /** The scene in the server's format. */
-export function message(scene: Scene): SceneMessage & Required<Pick<SceneMessage, "drawn">> {
+export function message(scene: Scene): SceneMessage & Required<Pick<SceneMessage, "drawn" | "horizon" | "slip">> {
   const { world, bare, sensor, thing, cells, horizon, actions, slip } = scene;
   return {
     drawn: drawnOf(world),

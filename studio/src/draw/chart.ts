@@ -9,7 +9,7 @@ export interface Line {
   low?: readonly number[];
   high?: readonly number[];
   /** Its colour and dash pattern. */
-  kind: 0 | 1;
+  kind: number;
 }
 
 export interface ChartData {

@@ -68,6 +68,48 @@ class MeasureAnswer(LandscapeAnswer, kw_only=True):
     why: str | UnsetType = UNSET
 
 
+class PairTool(Struct, frozen=True):
+    """A tool that is compared."""
+
+    name: str
+    kind: str
+
+
+class Pair(Struct, frozen=True, kw_only=True):
+    """The measures of a tool with an object; `why` if they are not available."""
+
+    tool: Annotated[int, Meta(description="its index")]
+    object: Annotated[int, Meta(description="its index")]
+    averages: Annotated[
+        list[float] | UnsetType,
+        Meta(description="average object empowerment in bits, by horizon from 1 on"),
+    ] = UNSET
+    range: Annotated[int | UnsetType, Meta(description="in cells")] = UNSET
+    latency: Annotated[
+        float | UnsetType | None, Meta(description="in actions, at best; null if there is none")
+    ] = UNSET
+    median_latency: Annotated[
+        float | UnsetType | None, Meta(description="from a random placement, likewise")
+    ] = UNSET
+    persistence: Annotated[float | UnsetType, Meta(description="in bits")] = UNSET
+    reliability: Annotated[
+        float | UnsetType | None, Meta(description="null if there is nothing to lose")
+    ] = UNSET
+    why: str | UnsetType = UNSET
+
+
+class PairsAnswer(Answer, kw_only=True):
+    """The names, then each pair."""
+
+    tools: Annotated[
+        list[PairTool] | UnsetType,
+        Meta(description="the map's own in its order, then the others, then none"),
+    ] = UNSET
+    objects: Annotated[list[str] | UnsetType, Meta(description="in the map's order")] = UNSET
+    horizon: Annotated[int | UnsetType, Meta(description="the largest; at least 1")] = UNSET
+    pair: Pair | UnsetType = UNSET
+
+
 class FuturesAnswer(Answer, kw_only=True):
     """The observations that are reachable from a cell."""
 
@@ -207,6 +249,7 @@ ANSWER_OF: dict[type[requests.Request], type[Answer]] = {
     requests.Read: ReadAnswer,
     requests.Measure: MeasureAnswer,
     requests.Landscape: LandscapeAnswer,
+    requests.Pairs: PairsAnswer,
     requests.Futures: FuturesAnswer,
     requests.Solve: SolveAnswer,
     requests.Step: StepAnswer,

@@ -51,6 +51,12 @@ class Landscape(Request, frozen=True, kw_only=True, tag="landscape"):
     placement: Placement | UnsetType = UNSET
 
 
+class Pairs(Request, frozen=True, kw_only=True, tag="pairs"):
+    """Every tool with every object of a map, each pair alone, pair by pair."""
+
+    scene: Scene
+
+
 class Futures(Request, frozen=True, kw_only=True, tag="futures"):
     """The futures that the agent can reach from a cell."""
 
@@ -121,6 +127,7 @@ AnyRequest = (
     Read
     | Measure
     | Landscape
+    | Pairs
     | Futures
     | Solve
     | Step
