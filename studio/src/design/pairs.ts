@@ -132,6 +132,7 @@ export function createPairs({ connection, store }: App): PairsView {
       }),
       xLabel: "steps ahead",
       yLabel: "bits on average",
+      whole: true,
       xMost: Math.max(2, horizon),
       yLeast: 0,
       empty: "",

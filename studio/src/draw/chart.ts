@@ -22,6 +22,8 @@ export interface ChartData {
   steps?: boolean;
   /** Compresses values far below zero, for returns. */
   squeezed?: boolean;
+  /** Labels whole numbers only, below the chart. */
+  whole?: boolean;
   xMost?: number;
   yLeast?: number;
   yMost?: number;
@@ -86,6 +88,7 @@ function markup(data: ChartData, width: number, height: number): string {
       `<text class="tick" x="${LEFT - 8}" y="${py(y) + 4}" text-anchor="end">${shortly(y)}</text>`,
   );
   for (const x of ticks(x0, x1, (width - LEFT) / 90)) {
+    if (data.whole && !Number.isInteger(x)) continue;
     const at = `x="${px(x)}" y="${height - BOTTOM + 18}"`;
     parts.push(`<text class="tick" ${at} text-anchor="middle">${shortly(x)}</text>`);
   }
