@@ -31,6 +31,7 @@ GUIDE = (ROOT / "docs" / "how-to" / "studio.md").read_text("utf-8")
         ("slip", f"{limits.SLIP:.0%}".replace("%", " %")),
         ("seconds of one computation, by an estimate or else by the clock", f"{limits.SECONDS:g}"),
         ("GiB of memory of one computation", f"{limits.GIB:g}"),
+        ("placements of a film", f"{limits.FRAMES:,}"),
         ("placements that an average is estimated from", limits.DRAWN),
         ("placements of a tool with an object under *Which tool?*", f"{limits.PAIR:,}"),
         ("pages at once", limits.CLIENTS),

@@ -240,6 +240,24 @@ def test_closing_a_page_ends_what_it_trains(address):
     assert not trainers_of(os.getpid())
 
 
+def test_a_training_goes_on_on_a_page_that_is_loaded_again(address):
+    with page(address) as leaving:
+        answers = leaving.answers(leaving.send("train", scene=scene(SMALL), settings=LONG))
+        name = next(answers)["name"]
+        before = next(answer for answer in answers if answer.get("curve"))
+    with page(address) as back:
+        number = back.send("follow", name=name)
+        answers = back.answers(number)
+        assert next(answers)["name"] == name
+        after = next(one for one in answers if one.get("episodes", 0) > before["episodes"])
+        assert "stop it first" in back.ask("follow", name=name)["error"]
+        back.socket.send(f'{{"id": {number}, "do": "stop"}}')
+        end = done(back, number)[-1]
+        assert end["done"]["name"] == name
+        assert end["episodes"] >= after["episodes"]
+        assert "under way" in back.ask("follow", name=name)["error"]
+
+
 @needs_proc
 def test_trainings_wait_for_each_other_but_not_all_that_are_asked_for():
     yard = scene(hb.load_world("yard"))

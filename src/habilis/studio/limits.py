@@ -5,6 +5,10 @@ SIDES = (4, 30)
 THINGS = 4
 """Tools of a map, and objects."""
 HORIZON = 10
+FRAMES = 1_000
+"""Placements of a film, and of a game as code."""
+TOOLS = 100
+"""Tools whose averages are shown as code."""
 SLIP = 0.5
 TOOL_SLIP = 1.0
 
@@ -36,5 +40,7 @@ TRAINING = {
     "waiting": 8,
 }
 """Of a training; `at_once` may train in parallel while `waiting` more are queued."""
+RELOADED = 15.0
+"""Seconds for which a training waits for a page to follow it, once its own is gone."""
 LISTED = 200
 """Kept trainings that a page lists, newest first."""

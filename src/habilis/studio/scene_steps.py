@@ -23,6 +23,7 @@ from habilis.empowerment.tabular.cost import check_effort, most_entries
 from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
 from habilis.mdp import TabularMDP
 from habilis.models.limits import TooManyStatesError
+from habilis.studio.films import film
 from habilis.studio.limits import BOARD_STATES, DRAWN, FEWEST, GIB, SECONDS
 from habilis.studio.pairs import pair
 from habilis.studio.protocol import scenes as protocol
@@ -227,7 +228,7 @@ def _in_words(one: Callable[..., Answer]) -> Callable[..., Answer]:
     return step
 
 
-_ALL = (landscape, cells, pair, stretch, sampled, average, choices, plan, step)
+_ALL = (landscape, cells, pair, stretch, sampled, average, choices, plan, step, film)
 STEPS: dict[str, Callable[..., Answer]] = {one.__name__: _in_words(one) for one in _ALL}
 """The steps that a worker can run, by name."""
 

@@ -21,7 +21,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 import habilis
 from habilis.extras import check_installed
 from habilis.files import check_folder
-from habilis.studio import limits, pairs, scene_requests, training_requests
+from habilis.studio import keep_requests, limits, pairs, scene_requests, training_requests
 from habilis.studio.clients import Client
 from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.limits import CLIENTS, MESSAGE
@@ -125,7 +125,7 @@ class Studio:
             case requests.Edit() if scene is not None:
                 await client.answer(self._edited(request, scene))
                 return
-            case requests.Train() if client.trainings:
+            case requests.Train() | requests.Follow() if client.trainings:
                 words = "a training is in progress; stop it first"
                 await client.answer(Answer(id=request.id, error=words))
                 return
@@ -135,6 +135,13 @@ class Studio:
                 work = pairs.answer(pools.slow, self.all_tools, client, request, scene)
             case requests.Train() if scene is not None:
                 work = training_requests.train(pools, trainings, client, request, scene)
+            case requests.Follow():
+                work = training_requests.follow(pools, trainings, client, request)
+            case requests.Code() if scene is not None:
+                folder, tools = self.opened.run, self.all_tools
+                work = keep_requests.code(pools, trainings, folder, tools, client, request, scene)
+            case requests.Film() if scene is not None:
+                work = keep_requests.film(pools, client, request, scene)
             case requests.Trainings():
                 work = training_requests.listed(pools, trainings, client, request)
             case requests.Curve():
@@ -165,6 +172,7 @@ def application(studio: Studio) -> Guard:
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
         studio.pools.start()
         yield
+        await studio.trainings.close()
         await studio.pools.close()
 
     async def connected(socket: WebSocket) -> None:

@@ -6,8 +6,9 @@ import json
 import os
 import secrets
 import sys
+import traceback
 from asyncio.subprocess import PIPE, Process
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncGenerator, AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,8 @@ import msgspec
 
 from habilis.files import write_whole
 from habilis.learning.config import Config
-from habilis.studio.limits import TRAINING
-from habilis.studio.messages import shown
+from habilis.studio.limits import RELOADED, TRAINING
+from habilis.studio.messages import one_line, shown
 from habilis.studio.protocol.requests import Settings
 from habilis.studio.scenes import Scene
 from habilis.studio.training_settings import check_trainable
@@ -35,6 +36,8 @@ class Training:
         name: the name of its result in requests.
         folder: the folder of its run.
         config: its configuration.
+        report: the trainer's newest report.
+        ended: whether there will be no further ones.
     """
 
     def __init__(self, name: str, folder: Path, config: Config, places: asyncio.Semaphore):
@@ -42,6 +45,52 @@ class Training:
         self._places = places
         self._process: Process | None = None
         self._stop = False
+        self.report: dict[str, Any] = {}
+        self.ended = False
+        self._followers = 0
+        self._told = asyncio.Condition()
+
+    async def train(self) -> None:
+        """Trains to the end, whoever follows."""
+        try:
+            async for report in self.reports():
+                self.report = report
+                await self._tell()
+        except Exception as error:
+            traceback.print_exc()
+            self.report = {"error": one_line(f"internal error: {error!r}; please report it")}
+        finally:
+            self.ended = True
+            await self._tell()
+
+    async def news(self) -> AsyncGenerator[dict[str, Any], None]:
+        """The newest report whenever there is one, until the end.
+
+        A training that nobody has followed for a while, since its page is gone, stops.
+        """
+        self._followers += 1
+        seen = {} if self.report else self.report
+        try:
+            while True:
+                async with self._told:
+                    while self.report is seen and not self.ended:
+                        await self._told.wait()
+                if self.report is not seen:
+                    seen = self.report
+                    yield seen
+                elif self.ended:
+                    return
+        finally:
+            self._followers -= 1
+            asyncio.get_running_loop().call_later(RELOADED, self._stop_if_left)
+
+    def _stop_if_left(self) -> None:
+        if not self._followers and not self.ended:
+            self.stop()
+
+    async def _tell(self) -> None:
+        async with self._told:
+            self._told.notify_all()
 
     def stop(self) -> None:
         """Stops, and keeps the progress."""
@@ -79,13 +128,14 @@ class Trainings:
     Attributes:
         folder: contains a folder for each, by its name, and beside it its map. It is created on
             first use.
-        under_way: the names of those that are training or queued.
+        under_way: those that are training or queued, by their names.
     """
 
     def __init__(self, folder: Path):
         self.folder = folder
         self._places = asyncio.Semaphore(TRAINING["at_once"])
-        self.under_way: set[str] = set()
+        self.under_way: dict[str, Training] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
 
     def names(self) -> list[str]:
         """The names of the folders that have a run, or the remains of one; newest first.
@@ -116,7 +166,7 @@ class Trainings:
 
     @contextlib.contextmanager
     def one(self, scene: Scene, settings: Settings) -> Iterator[Training]:
-        """A new training.
+        """A new training, which is under way until it is left.
 
         Raises:
             ValueError: its settings are invalid, with the trainer's message; or the queue is full.
@@ -132,13 +182,38 @@ class Trainings:
             self.folder.mkdir(parents=True, exist_ok=True)
             text = scene.world.located().text().encode()
             write_whole(drawn, lambda file: file.write(text))
-        self.under_way.add(name)
+        training = self.under_way[name] = Training(name, self.folder / name, config, self._places)
         try:
-            yield Training(name, self.folder / name, config, self._places)
+            yield training
         finally:
-            self.under_way.discard(name)
-            if not (self.folder / name).exists():  # it did not start
+            del self.under_way[name]
+            if not training.folder.exists():  # it did not start
                 drawn.unlink(missing_ok=True)
+
+    def begin(self, scene: Scene, settings: Settings) -> Training:
+        """Begins a training, which goes on while a page follows it.
+
+        Raises:
+            ValueError: as `one`.
+        """
+        with contextlib.ExitStack() as stack:
+            training = stack.enter_context(self.one(scene, settings))
+            task = asyncio.create_task(_trained(training, stack.pop_all()))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return training
+
+    async def close(self) -> None:
+        """Ends all trainings, and waits until what there is has been kept."""
+        tasks = [*self._tasks]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def _trained(training: Training, under_way: contextlib.ExitStack) -> None:
+    with under_way:
+        await training.train()
 
 
 def _began(folder: Path) -> float:

@@ -1,5 +1,6 @@
 """Answers to requests about trainings and trained runs."""
 
+import contextlib
 import time
 from pathlib import Path
 
@@ -8,7 +9,7 @@ from msgspec import UNSET
 from habilis.extras import check_installed
 from habilis.studio.clients import Client
 from habilis.studio.limits import LISTED
-from habilis.studio.messages import one_line
+from habilis.studio.messages import one_line, shown
 from habilis.studio.pool import StepError
 from habilis.studio.protocol import requests
 from habilis.studio.protocol.answers import (
@@ -30,30 +31,44 @@ async def train(
     """Trains, and sends the curve while it grows."""
     check_installed("learn")
     pools.learning.start()
-    with trainings.one(of_a_map(scene), request.settings) as training:
-        client.trainings[request.id] = training
-        try:
-            await _train(pools, client, request.id, training)
-        finally:
-            del client.trainings[request.id]
+    await _followed(pools, client, request.id, trainings.begin(of_a_map(scene), request.settings))
+
+
+async def follow(
+    pools: Pools, trainings: Trainings, client: Client, request: requests.Follow
+) -> None:
+    """Goes on with the answers of a training, after its page has been loaded again."""
+    training = trainings.under_way.get(request.name)
+    if training is None:
+        raise ValueError(f"no training {shown(request.name)} is under way; it may have ended")
+    await _followed(pools, client, request.id, training)
+
+
+async def _followed(pools: Pools, client: Client, number: int, training: Training) -> None:
+    client.trainings[number] = training
+    try:
+        await _train(pools, client, number, training)
+    finally:
+        del client.trainings[number]
 
 
 async def _train(pools: Pools, client: Client, number: int, training: Training) -> None:
     updated, share = float("-inf"), 0.0
     await client.answer(TrainAnswer(id=number, progress=share, name=training.name))
-    async for report in training.reports():
-        if "error" in report:
-            raise ValueError(report["error"])
-        share = report.get("share", share)
-        if "share" in report and time.monotonic() - updated >= _INTERVAL:
-            updated = time.monotonic()
-            try:
-                curve = await client.step(pools.learning, "curve", folder=str(training.folder))
-            except StepError:  # there is no checkpoint yet
-                continue
-            speed = report["steps_per_second"]
-            part = {"share": share, "steps_per_second": speed, **curve}
-            await client.pass_on(TrainAnswer, number, part)
+    async with contextlib.aclosing(training.news()) as news:
+        async for report in news:
+            if "error" in report:
+                raise ValueError(report["error"])
+            share = report.get("share", share)
+            if "share" in report and time.monotonic() - updated >= _INTERVAL:
+                updated = time.monotonic()
+                try:
+                    curve = await client.step(pools.learning, "curve", folder=str(training.folder))
+                except StepError:  # there is no checkpoint yet
+                    continue
+                speed = report["steps_per_second"]
+                part = {"share": share, "steps_per_second": speed, **curve}
+                await client.pass_on(TrainAnswer, number, part)
     try:
         curve = await client.step(pools.learning, "curve", folder=str(training.folder))
     except StepError:

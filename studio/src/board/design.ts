@@ -5,6 +5,8 @@ import { h } from "../core/elements";
 import type { BoardAbout } from "../core/protocol";
 import { createBoard } from "../draw/board";
 import { card } from "../frame/widgets";
+import { NOTHING, type Keeps } from "../keep/dialog";
+import { rowsOf } from "../keep/files";
 import { keysOf } from "./keys";
 import { createBoardLandscape } from "./landscape";
 import { pictureOf } from "./picture";
@@ -39,5 +41,17 @@ export function createBoardDesign(app: App, about: BoardAbout, question: Questio
     ),
     card("Question", "side", question.element),
   );
-  return { element, again: landscape.again };
+  function keeps(): Keeps {
+    const grid = landscape.grid();
+    return {
+      ...NOTHING,
+      pictures: [
+        { name: "World", picture: board.picture },
+        { name: "Landscape", picture: landscape.picture },
+      ],
+      tables: grid ? [{ name: "Landscape", rows: rowsOf(grid, "bits") }] : [],
+    };
+  }
+
+  return { element, keeps, again: landscape.again };
 }

@@ -18,6 +18,9 @@ const HINT = "Point at a cell to see which futures are reachable from it.";
 
 export interface BoardLandscape {
   readonly element: HTMLElement;
+  readonly picture: SVGSVGElement;
+  /** The values, if there are some. */
+  grid(): Grid | null;
   /** Repeats the request after the connection was lost. */
   again(): void;
 }
@@ -135,6 +138,8 @@ export function createBoardLandscape({ connection }: App, about: BoardAbout, que
   soon();
   return {
     element: h("div", { class: "landscape" }, progress, board.element, scale.element, caption, fault),
+    picture,
+    grid: () => values?.grid ?? null,
     again: soon,
   };
 }

@@ -8,6 +8,8 @@ import { createBoard } from "../draw/board";
 import { createChart } from "../draw/chart";
 import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
+import { NOTHING, type Keeps } from "../keep/dialog";
+import { rowsOf } from "../keep/files";
 import { button, card, notice, rename, toggle } from "../frame/widgets";
 import { createBoardPlayer } from "./game";
 import { keysOf } from "./keys";
@@ -141,8 +143,24 @@ export function createBoardPlay(app: App, about: BoardAbout, question: Question)
       h("div", { class: "buttons actions", role: "group", "aria-label": "Actions" }, ...buttons),
     ),
   );
+  function keeps(): Keeps {
+    const { bits } = player.game();
+    return {
+      ...NOTHING,
+      pictures: [
+        { name: "Board", picture: board.picture },
+        ...(bits[0] === null ? [] : [{ name: "Bits of the game", picture: chart.picture }]),
+      ],
+      tables: [
+        ...(values ? [{ name: "Board", rows: rowsOf(values.grid, "bits") }] : []),
+        { name: "Bits of the game", rows: [["step", "bits"], ...bits.map((value, step) => [step, value])] },
+      ],
+    };
+  }
+
   return {
     element,
+    keeps,
     entered() {
       active = true;
       player.seen(true);

@@ -3,6 +3,7 @@
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
 import type { BoardAbout } from "../core/protocol";
+import { NOTHING } from "../keep/dialog";
 import { segmented } from "../frame/widgets";
 import { createBoardDesign } from "./design";
 import { createBoardPlay } from "./play";
@@ -41,6 +42,7 @@ export function withBoard(app: App, about: BoardAbout, design: View, play: View)
         inside = false;
         views[side].left?.();
       },
+      keeps: () => views[side].keeps?.() ?? NOTHING,
       again() {
         ofBoard.again?.();
         ofMaps.again?.();

@@ -1,5 +1,6 @@
 /** Shared by all views: the server's greeting, the connection, the scene and its values. */
 
+import type { Keeps } from "../keep/dialog";
 import type { Watched } from "./watched";
 import type { Connection } from "./connection";
 import type { Measuring } from "./measuring";
@@ -19,6 +20,8 @@ export interface View {
   readonly element: HTMLElement;
   entered?(): void;
   left?(): void;
+  /** What is on the screen, to be kept as files. */
+  keeps?(): Keeps;
   /** The connection to the server is back. */
   again?(): void;
 }

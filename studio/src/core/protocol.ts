@@ -166,6 +166,20 @@ export interface StepAnswer extends Answer {
   image?: string;
 }
 
+/** A film. */
+export interface FilmAnswer extends Answer {
+  /** The file, as base64. */
+  gif?: string;
+}
+
+/** Code that computes what a view shows. */
+export interface CodeAnswer extends Answer {
+  /** A script. */
+  python?: string;
+  /** Lines for a shell; null if no command does it. */
+  command?: string | null;
+}
+
 /** The mean return of some runs with its 95 % interval, over episodes. */
 export interface LearningCurve {
   x: number[];
@@ -474,6 +488,16 @@ export interface Step extends Request {
   action: number | null;
 }
 
+/** A film of placements of the scene's world, one after the other. */
+export interface Film extends Request {
+  do: "film";
+  scene: Scene;
+  placements: Placement[];
+}
+
+/** Which of the scene, or of a training. */
+export type ShownView = "game" | "landscape" | "pairs" | "run" | "training";
+
 /** Settings of `habilis train`, which has defaults for all of them. */
 export interface Settings {
   intrinsic?: string;
@@ -491,6 +515,23 @@ export interface Settings {
   discount?: number;
 }
 
+/** Code that computes what a view shows. */
+export interface Code extends Request {
+  do: "code";
+  scene: Scene;
+  view: ShownView;
+  /** Those whose exact averages are shown. */
+  tools?: string[];
+  /** Of a game, from its start; of a run, that in which the episode begins. */
+  placements?: Placement[];
+  /** Of a training that has no folder. */
+  settings?: Settings;
+  /** Of a training; by default, the folder that the studio was started with. */
+  name?: string;
+  /** Which of its runs. */
+  index?: number;
+}
+
 /** A training in the scene's world, with its slip. */
 export interface Train extends Request {
   do: "train";
@@ -506,7 +547,13 @@ export interface Edit extends Request {
   shown: number;
 }
 
-/** Ends the training that has this id, and keeps its progress. It has no answer of its own. */
+/** The answers of a training that is under way, after its page has been loaded again. */
+export interface Follow extends Request {
+  do: "follow";
+  name: string;
+}
+
+/** Ends the training of the `train` or `follow` with this id, and keeps its progress. It has no answer of its own. */
 export interface Stop extends Request {
   do: "stop";
 }
@@ -542,8 +589,11 @@ export interface Messages {
   futures: { request: Futures; answer: FuturesAnswer };
   solve: { request: Solve; answer: SolveAnswer };
   step: { request: Step; answer: StepAnswer };
+  film: { request: Film; answer: FilmAnswer };
+  code: { request: Code; answer: CodeAnswer };
   train: { request: Train; answer: TrainAnswer };
   edit: { request: Edit; answer: Answer };
+  follow: { request: Follow; answer: TrainAnswer };
   stop: { request: Stop; answer: Answer };
   trainings: { request: Trainings; answer: TrainingsAnswer };
   curve: { request: Curve; answer: CurveAnswer };

@@ -33,7 +33,7 @@ function sensed(scene: Scene): string {
   return world.tools.length > 1 ? namesOf(world.tools)[thing]! : "tool";
 }
 
-export function createLandscape({ connection, store, measuring }: App): HTMLElement {
+export function createLandscape({ connection, store, measuring }: App): { element: HTMLElement; picture: SVGSVGElement } {
   const board = createBoard("The landscape: bits for every cell of the agent", "landscape-board");
   const { picture } = board;
   const caption = h("p", { class: "caption", id: "caption", "aria-live": "polite" }, HINT);
@@ -173,5 +173,6 @@ export function createLandscape({ connection, store, measuring }: App): HTMLElem
     caption.textContent = hint();
     draw();
   });
-  return h("div", { class: "landscape" }, progress, board.element, scale.element, caption, fault);
+  const element = h("div", { class: "landscape" }, progress, board.element, scale.element, caption, fault);
+  return { element, picture };
 }

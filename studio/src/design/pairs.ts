@@ -9,11 +9,15 @@ import { capital, nameOf } from "../core/words";
 import { createChart } from "../draw/chart";
 import { colourOf, inkOn, scaleOf } from "../draw/colours";
 import { drawingOf, icon } from "../draw/shapes";
+import { NOTHING, type Keeps } from "../keep/dialog";
+import { pointsOf } from "../keep/files";
 
 export interface PairsView {
   readonly element: HTMLElement;
   /** Switches it on or off: it is computed only while it is visible. */
   turn(on: boolean): void;
+  /** What is on the screen. */
+  keeps(): Keeps;
   /** Repeats the request after the connection was lost. */
   again(): void;
 }
@@ -191,6 +195,35 @@ export function createPairs({ connection, store }: App): PairsView {
         asked?.forget();
         question = ""; // the rest is asked for again
       }
+    },
+    keeps() {
+      const { drawn, tool, horizon: steps, slip } = message(store.scene());
+      const names = tools.map(({ name }) => name);
+      const measures = ["range", "latency", "median_latency", "persistence", "reliability"] as const;
+      return {
+        ...NOTHING,
+        pictures: tools.length ? [{ name: "Steps ahead", picture: chart.picture }] : [],
+        tables: [
+          {
+            name: "Pairs",
+            rows: [
+              ["tool", "object", "bits", ...measures],
+              ...pairs.map((pair, at) => [
+                names[Math.floor(at / objects.length)]!,
+                objects[at % objects.length]!,
+                bitsOf(pair),
+                ...measures.map((measure) => pair?.[measure] ?? null),
+              ]),
+            ],
+          },
+          { name: "Steps ahead", rows: pointsOf(chart.lines(), "steps ahead", "bits") },
+        ],
+        code: {
+          scene: { drawn, horizon: steps, slip, ...(tool === undefined ? {} : { tool }) },
+          view: "pairs",
+          tools: names,
+        },
+      };
     },
     again: soon,
   };

@@ -2,6 +2,9 @@
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
+import { message } from "../core/scene";
+import type { Keeps } from "../keep/dialog";
+import { rowsOf } from "../keep/files";
 import { card, segmented } from "../frame/widgets";
 import { createAverages } from "./averages";
 import { createBars } from "./bar";
@@ -14,7 +17,7 @@ type Values = "landscape" | "pairs";
 
 export function createDesign(app: App): View {
   const bars = createBars(app);
-  const [landscape, pairs] = [createLandscape(app), createPairs(app)];
+  const [editor, landscape, pairs] = [createEditor(app), createLandscape(app), createPairs(app)];
   const unit = h("span", { class: "quiet" }, "bits, wherever the agent stands");
   const choice = segmented<Values>("Values", { landscape: ["Landscape"], pairs: ["Which tool?"] }, show);
   let shown: Values = "landscape";
@@ -23,7 +26,7 @@ export function createDesign(app: App): View {
   function show(next: Values): void {
     shown = next;
     choice.show(shown);
-    landscape.hidden = unit.hidden = shown !== "landscape";
+    landscape.element.hidden = unit.hidden = shown !== "landscape";
     pairs.element.hidden = shown !== "pairs";
     pairs.turn(active && shown === "pairs");
   }
@@ -31,18 +34,45 @@ export function createDesign(app: App): View {
   const element = h(
     "div",
     { class: "view design" },
-    card("World", "world", bars.above, createEditor(app).element, bars.below),
+    card("World", "world", bars.above, editor.element, bars.below),
     card(
       "Values",
       "values",
       h("div", { class: "card-head" }, choice.element, unit),
-      landscape,
+      landscape.element,
       pairs.element,
     ),
     card("Question and answer", "side", createQuestion(app), createAverages(app)),
   );
+
+  function keeps(): Keeps {
+    const world = { name: "World", picture: editor.picture };
+    if (shown === "pairs") return { ...pairs.keeps(), pictures: [world, ...pairs.keeps().pictures] };
+    const { landscape: grid, averages, within, compared, scene } = app.measuring.latest();
+    const exact = compared.filter((tool) => averages[tool] != null && !within[tool]);
+    return {
+      pictures: [
+        world,
+        { name: "Landscape", picture: landscape.picture },
+      ],
+      tables: [
+        ...(grid ? [{ name: "Landscape", rows: rowsOf(grid, "bits") }] : []),
+        {
+          name: "Averages",
+          rows: [
+            ["tool", "bits", "within"],
+            ...compared.map((tool) => [tool, averages[tool] ?? null, within[tool] ?? null]),
+          ],
+        },
+      ],
+      films: [],
+      code: { scene: message(scene ?? app.store.scene()), view: "landscape", tools: exact },
+    };
+  }
+
   return {
     element,
+    keeps,
     entered() {
       active = true;
       pairs.turn(shown === "pairs");

@@ -32,6 +32,9 @@ export interface ChartData {
 
 export interface Chart {
   readonly element: HTMLElement;
+  readonly picture: SVGSVGElement;
+  /** The drawn lines. */
+  lines(): readonly Line[];
   draw(data: ChartData): void;
 }
 
@@ -52,7 +55,7 @@ export function createChart(name: string, id: string): Chart {
   }
 
   new ResizeObserver(() => shown && draw(shown)).observe(element);
-  return { element, draw };
+  return { element, picture, lines: () => (shown?.lines ?? []).filter(({ x }) => x.length > 0), draw };
 }
 
 /** A line in words, for those who hear it. */

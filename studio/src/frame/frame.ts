@@ -3,6 +3,7 @@
 import type { App, View } from "../core/app";
 import type { Status } from "../core/connection";
 import { h, set } from "../core/elements";
+import { NOTHING, openKeep } from "../keep/dialog";
 import { openHelp } from "./help";
 import { createThemeSwitch } from "./theme";
 import { createTour } from "./tour";
@@ -91,6 +92,8 @@ export function createFrame(
     onView();
   }
 
+  const keep = () => openKeep(app.connection, views[current]?.keeps?.() ?? NOTHING);
+
   async function share(): Promise<void> {
     try {
       await navigator.clipboard.writeText(link.address());
@@ -143,6 +146,7 @@ export function createFrame(
       h(
         "div",
         { class: "icons" },
+        iconButton("keep", "Keep and share: pictures, films, values, code", keep, "keep"),
         iconButton("link", "Copy a link to this page", share, "share"),
         createThemeSwitch(),
         iconButton("help", "What is this? (?)", help, "help"),

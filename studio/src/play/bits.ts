@@ -2,7 +2,7 @@
 
 import type { App } from "../core/app";
 import type { Asked, Heard } from "../core/connection";
-import type { Placement } from "../core/protocol";
+import type { Grid, Placement } from "../core/protocol";
 import { message } from "../core/scene";
 import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
@@ -16,6 +16,8 @@ export interface Bits {
   turn(): void;
   /** The values to draw under the given placement; requests them if they are not known yet. */
   under(placement: Placement): NonNullable<Picture["values"]> | null;
+  /** The drawn values, if there are some. */
+  grid(): Grid | null;
   /** Whether the drawn values belong to an earlier placement. */
   late(): boolean;
   /** The error, if there is one. */
@@ -61,6 +63,7 @@ export function createBits({ connection, store }: App, onChange: () => void): Bi
       scale.show(ends);
       return ends && landscape ? { grid: landscape, scale: scaleOf(ends.least, ends.most) } : null;
     },
+    grid: () => (shown.on() ? (answer?.landscape ?? null) : null),
     late: () => shown.on() && late,
     fault: () => answer?.error ?? "",
   };

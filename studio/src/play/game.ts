@@ -6,6 +6,8 @@ import { message, startOf, type Scene } from "../core/scene";
 
 export interface Game {
   placement: Placement;
+  /** The placements from the start to the current one. */
+  path: Placement[];
   /** At the start and after every step; null while unknown. */
   bits: (number | null)[];
   equipped: boolean;
@@ -21,6 +23,8 @@ export interface Player {
   /** Plays a shortest plan from here; calls `onPlan` with null if there is none. */
   showPlan(onPlan: (steps: number | null) => void): void;
   showing(): boolean;
+  /** The placements of a shortest plan from here. */
+  plan(): Promise<Placement[]>;
   stop(): void;
   /** Whether the view is visible; only then are the bits of the start requested. */
   seen(seen: boolean): void;
@@ -39,8 +43,10 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
   let looking = false;
 
   function fresh(scene: Scene): Game {
+    const start = startOf(scene);
     return {
-      placement: startOf(scene),
+      placement: start,
+      path: [start],
       bits: [null],
       equipped: false,
       attached: false,
@@ -72,6 +78,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
       game = {
         ...game,
         placement: game.bits.length > 1 ? game.placement : (answer.placement ?? game.placement),
+        path: answer.placement ? game.path.with(0, answer.placement) : game.path,
         bits: game.bits.with(0, answer.bits ?? null),
         equipped: game.bits.length > 1 ? game.equipped : (answer.equipped ?? false),
         attached: game.bits.length > 1 ? game.attached : (answer.attached ?? false),
@@ -100,6 +107,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
       } else {
         game = {
           placement: answer.placement ?? game.placement,
+          path: [...game.path, answer.placement ?? game.placement],
           bits: [...game.bits, answer.bits ?? null],
           equipped: answer.equipped ?? false,
           attached: answer.attached ?? false,
@@ -158,6 +166,17 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     timer = window.setTimeout(follow, PACE);
   }
 
+  function planned(): Promise<Placement[]> {
+    return new Promise((resolve, reject) => {
+      const asked = connection.ask("solve", asking(), ({ progress, placements, error }) => {
+        if (progress !== undefined) return;
+        asked.forget();
+        if (placements) resolve(placements);
+        else reject(new Error(error ?? "The goal is unreachable from here."));
+      });
+    });
+  }
+
   store.watch((_, before) => before && reset());
   return {
     game: () => game,
@@ -167,6 +186,7 @@ export function createPlayer({ connection, store }: App, onChange: () => void): 
     },
     reset,
     showPlan,
+    plan: planned,
     showing: () => plan !== null,
     stop,
     seen(seen) {

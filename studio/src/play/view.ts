@@ -2,7 +2,7 @@
 
 import type { App, View } from "../core/app";
 import { h } from "../core/elements";
-import { toolsOf } from "../core/scene";
+import { message, toolsOf } from "../core/scene";
 import { namesOf } from "../core/world";
 import { createBoard } from "../draw/board";
 import { same } from "../draw/cells";
@@ -10,6 +10,8 @@ import { createChart } from "../draw/chart";
 import { labelOf, stood } from "../draw/things";
 import { button, card, notice, rename } from "../frame/widgets";
 import { ARROWS } from "../design/editor";
+import type { Keeps } from "../keep/dialog";
+import { rowsOf } from "../keep/files";
 import { createBits } from "./bits";
 import { createPlayer } from "./game";
 
@@ -180,8 +182,30 @@ export function createPlay(app: App): View {
       h("div", { class: "pads" }, ...pads),
     ),
   );
+  function keeps(): Keeps {
+    const { path, bits } = player.game();
+    const scene = message(store.scene());
+    const grid = layer.grid();
+    return {
+      pictures: [
+        { name: "Board", picture: board.picture },
+        ...(bits[0] === null ? [] : [{ name: "Bits of the game", picture: chart.picture }]),
+      ],
+      tables: [
+        ...(grid ? [{ name: "Board", rows: rowsOf(grid, "bits") }] : []),
+        { name: "Bits of the game", rows: [["step", "bits"], ...bits.map((value, step) => [step, value])] },
+      ],
+      films: [
+        { name: "The game so far", film: () => Promise.resolve({ scene, placements: path }) },
+        { name: "A shortest plan from here", film: () => player.plan().then((placements) => ({ scene, placements })) },
+      ],
+      code: { scene, view: "game", placements: path },
+    };
+  }
+
   return {
     element,
+    keeps,
     entered() {
       active = true;
       player.seen(true);

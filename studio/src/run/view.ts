@@ -4,7 +4,7 @@ import type { App, View } from "../core/app";
 import { h } from "../core/elements";
 import type { Cell, Placement, RunAnswer } from "../core/protocol";
 import { cellOf, indexOf } from "../core/scene";
-import { worldOf, type Standing, type World } from "../core/world";
+import { drawnOf, worldOf, type Standing, type World } from "../core/world";
 import { createBoard } from "../draw/board";
 import { same } from "../draw/cells";
 import { createChart } from "../draw/chart";
@@ -13,6 +13,8 @@ import { labelOf, stood, type Stood } from "../draw/things";
 import { scaleOf } from "../draw/colours";
 import { createScaleBar } from "../draw/scale";
 import { button, card, rename, segmented, select, slider } from "../frame/widgets";
+import { NOTHING, type Keeps } from "../keep/dialog";
+import { pointsOf, rowsOf } from "../keep/files";
 
 const PACE = 420;
 const HINT = "Drag the agent, the tool or the can to start the episode from there.";
@@ -273,8 +275,34 @@ export function createRun({ hello, connection, watched }: App): View {
     }));
     if (active) load();
   });
+  function keeps(): Keeps {
+    const about = watched.current();
+    if (about === null || !answer?.episode) return NOTHING;
+    const { values, episode } = answer;
+    const scene = { drawn: drawnOf(map) };
+    return {
+      pictures: [
+        { name: "Episode", picture: board.picture },
+        ...(answer.curve ? [{ name: "Learning curve", picture: chart.picture }] : []),
+      ],
+      tables: [
+        ...(values ? [{ name: "State values", rows: rowsOf(values, "value") }] : []),
+        ...(answer.curve ? [{ name: "Learning curve", rows: pointsOf(chart.lines(), "episode", "return") }] : []),
+      ],
+      films: [{ name: "Episode", film: () => Promise.resolve({ scene, placements: episode.placements }) }],
+      code: {
+        scene,
+        view: "run",
+        index: which,
+        ...(about.asked === undefined ? {} : { name: about.asked }),
+        ...(elsewhere === null ? {} : { placements: [elsewhere] }),
+      },
+    };
+  }
+
   return {
     element,
+    keeps,
     entered() {
       active = true;
       if (watched.current() !== null && answer === null) load();

@@ -1,12 +1,13 @@
 /** The trainings of this page, updated as results arrive, and those kept by the server. */
 
 import type { App } from "../core/app";
-import type { Asked } from "../core/connection";
+import type { Asked, Heard } from "../core/connection";
 import type {
   CurveAnswer, Drawn, FirstSettings as Settings, KeptTraining, LearningCurve,
 } from "../core/protocol";
 import { message, NO_TOOL } from "../core/scene";
 import { worldOf } from "../core/world";
+import { DISMISSED, UNDER_WAY } from "./remembered";
 import { summary } from "./form";
 
 export interface Training {
@@ -47,6 +48,10 @@ export interface Trainings {
   toggle(training: Training): void;
   /** Makes this the run to watch. */
   watch(training: Training): void;
+  /** Takes one that failed off the list; what it has kept stays where it is. */
+  dismiss(training: Training): void;
+  /** Goes on with the training of this page that was under way before it was loaded again. */
+  resume(): void;
   /** Requests the list of kept trainings. */
   list(): void;
 }
@@ -109,23 +114,49 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     };
     trainings.push(training);
     draw(training);
-    asked = connection.ask("train", { scene, settings }, (answer) => {
-      training.name = answer.name ?? training.name;
-      take(training, answer);
-      training.share = answer.share ?? answer.progress ?? training.share;
-      if (answer.error !== undefined) {
-        training.error = answer.error;
-        if (training.curve === null) training.line = null;
-        list(); // part of it may be kept
-      }
-      if (answer.done) {
-        [training.done, training.converged] = [true, answer.done.converged_at];
-        asked?.forget();
-        watch(training);
-      }
-      onChange();
-    });
+    asked = connection.ask("train", { scene, settings }, (answer) => hear(training, answer));
     onChange();
+  }
+
+  /** Takes in a part of the answer about a training of this page. */
+  function hear(training: Training, answer: Heard<"train">): void {
+    training.name = answer.name ?? training.name;
+    if (answer.name !== undefined) UNDER_WAY.set(answer.name);
+    take(training, answer);
+    training.share = answer.share ?? answer.progress ?? training.share;
+    if (answer.error !== undefined) {
+      training.error = answer.error;
+      if (training.curve === null) training.line = null;
+      if (!answer.lost) UNDER_WAY.set(null);
+      list(); // part of it may be kept
+    }
+    if (answer.done) {
+      [training.done, training.converged] = [true, answer.done.converged_at];
+      UNDER_WAY.set(null);
+      asked?.forget();
+      watch(training);
+    }
+    onChange();
+  }
+
+  function resume(): void {
+    const name = UNDER_WAY.get();
+    if (name === null || running() !== null) return;
+    let training = trainings.find((one) => one.name === name);
+    asked = connection.ask("follow", { name }, (answer) => {
+      if (training === undefined && answer.error !== undefined) {
+        if (!answer.lost) UNDER_WAY.set(null); // it has ended, and is listed
+        list();
+        return;
+      }
+      if (training === undefined) {
+        training = { ...NOTHING, own: true, name, label: name };
+        trainings.push(training);
+        draw(training);
+        list(); // for its settings
+      } else if (answer.error === undefined) training.error = null;
+      hear(training, answer);
+    });
   }
 
   function list(): void {
@@ -145,9 +176,10 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     const age = ({ name }: Training) => (name === null ? -1 : names.indexOf(name));
     trainings = trainings
       .filter((training) => training.own || age(training) >= 0)
+      .filter(({ name }) => name === null || !DISMISSED.has(name))
       .sort((one, other) => age(other) - age(one));
     for (const name of names.toReversed()) {
-      if (trainings.some((training) => training.name === name)) continue;
+      if (DISMISSED.has(name) || trainings.some((training) => training.name === name)) continue;
       const later = trainings.findIndex((training) => age(training) < names.indexOf(name));
       trainings.splice(later < 0 ? trainings.length : later, 0, {
         ...NOTHING, own: false, name, label: "…",
@@ -158,6 +190,10 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
   function add({ name, under_way, error, runs, drawn, config, converged_at, best_return }: KeptTraining): void {
     const training = trainings.find((one) => one.name === name);
     if (training === undefined) return;
+    if (training.own && training.drawn === null && config && drawn && runs) {
+      const label = summary(app.hello.training, config as unknown as Settings, worldOf(drawn));
+      Object.assign(training, { label, runs, drawn, config });
+    }
     if (training.own) {
       // The connection was lost; whatever was kept can be watched.
       if (training.error !== null && !under_way && error === undefined) training.done = true;
@@ -199,6 +235,12 @@ export function createTrainings(app: App, onChange: () => void): Trainings {
     leftOut: () => leftOut,
     fault: () => fault,
     begin,
+    resume,
+    dismiss(training) {
+      trainings = trainings.filter((one) => one !== training);
+      if (training.name !== null) DISMISSED.add(training.name);
+      onChange();
+    },
     watch,
     list,
     stop() {

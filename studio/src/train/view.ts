@@ -4,6 +4,9 @@ import type { App, View } from "../core/app";
 import { h } from "../core/elements";
 import { createChart } from "../draw/chart";
 import { button, card } from "../frame/widgets";
+import { message } from "../core/scene";
+import { NOTHING, type Keeps } from "../keep/dialog";
+import { pointsOf } from "../keep/files";
 import { createForm } from "./form";
 import { createTrainings, type Training } from "./trainings";
 
@@ -67,6 +70,8 @@ export function createTrain(app: App, openRun: () => void): View {
     });
     const bar = h("span", { class: "track" }, h("span", { class: "bar" }));
     bar.style.setProperty("--share", String(share));
+    const dismiss = button("Dismiss", () => trainings.dismiss(training), { kind: "small" });
+    dismiss.setAttribute("aria-label", `Dismiss: ${label}`);
     return h(
       "li",
       { class: `training ${line === null ? "" : `k${line}`}` },
@@ -76,11 +81,12 @@ export function createTrain(app: App, openRun: () => void): View {
       h("span", { class: error ? "fault" : "quiet" }, error ?? wordsOn(training)),
       done
         ? button("Watch", () => (trainings.watch(training), openRun()), { kind: "small" })
-        : own && error === null ? bar : null,
+        : error !== null ? dismiss : own ? bar : null,
     );
   }
 
   draw();
+  trainings.resume();
   const element = h(
     "div",
     { class: "view train" },
@@ -102,8 +108,25 @@ export function createTrain(app: App, openRun: () => void): View {
       earlier,
     ),
   );
+  function keeps(): Keeps {
+    const lines = chart.lines();
+    const drawn = trainings.all().filter(({ line }) => line !== null);
+    const { name } = drawn.find((training) => training.name !== null && training.done) ?? { name: null };
+    return {
+      ...NOTHING,
+      pictures: lines.length ? [{ name: "Learning curves", picture: chart.picture }] : [],
+      tables: lines.length ? [{ name: "Learning curves", rows: pointsOf(lines, "episode", "return") }] : [],
+      code: {
+        scene: message(app.store.scene()),
+        view: "training",
+        ...(name === null ? { settings: form.settings() } : { name }),
+      },
+    };
+  }
+
   return {
     element,
+    keeps,
     entered() {
       active = true;
       trainings.list();
@@ -113,6 +136,7 @@ export function createTrain(app: App, openRun: () => void): View {
       active = false;
     },
     again() {
+      trainings.resume();
       if (active) trainings.list();
     },
   };

@@ -33,6 +33,10 @@ def test_axe_finds_nothing_wrong_on_any_tab(page: Page, scheme: Any):
     page.locator("#help").click()
     assert violations(page) == []
     page.keyboard.press("Escape")
+    page.locator("#keep").click()
+    expect(page.locator("#python")).to_be_visible()
+    assert violations(page) == []
+    page.keyboard.press("Escape")
     page.locator("#tab-design").click()
     page.locator("#map-text").click()
     assert violations(page) == []

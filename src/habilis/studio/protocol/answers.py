@@ -245,6 +245,21 @@ class RunAnswer(CurveAnswer, kw_only=True):
     episode: Episode | UnsetType = UNSET
 
 
+class FilmAnswer(Answer, kw_only=True):
+    """A film."""
+
+    gif: Annotated[str | UnsetType, Meta(description="the file, as base64")] = UNSET
+
+
+class CodeAnswer(Answer, kw_only=True):
+    """Code that computes what a view shows."""
+
+    python: Annotated[str | UnsetType, Meta(description="a script")] = UNSET
+    command: Annotated[
+        str | UnsetType | None, Meta(description="lines for a shell; null if no command does it")
+    ] = UNSET
+
+
 ANSWER_OF: dict[type[requests.Request], type[Answer]] = {
     requests.Read: ReadAnswer,
     requests.Measure: MeasureAnswer,
@@ -253,8 +268,11 @@ ANSWER_OF: dict[type[requests.Request], type[Answer]] = {
     requests.Futures: FuturesAnswer,
     requests.Solve: SolveAnswer,
     requests.Step: StepAnswer,
+    requests.Film: FilmAnswer,
+    requests.Code: CodeAnswer,
     requests.Train: TrainAnswer,
     requests.Edit: Answer,
+    requests.Follow: TrainAnswer,
     requests.Stop: Answer,
     requests.Trainings: TrainingsAnswer,
     requests.Curve: CurveAnswer,

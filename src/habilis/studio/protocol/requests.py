@@ -1,10 +1,10 @@
 """Requests of a page."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from habilis.studio.limits import HORIZON, TRAINING
+from habilis.studio.limits import FRAMES, HORIZON, TOOLS, TRAINING
 from habilis.studio.protocol.scenes import Cell, Index, Placement, Scene
 
 
@@ -95,8 +95,17 @@ class Edit(Request, frozen=True, kw_only=True, tag="edit"):
     ]
 
 
+class Follow(Request, frozen=True, kw_only=True, tag="follow"):
+    """The answers of a training that is under way, after its page has been loaded again."""
+
+    name: str
+
+
 class Stop(Request, frozen=True, kw_only=True, tag="stop"):
-    """Ends the training that has this id, and keeps its progress. It has no answer of its own."""
+    """Ends the training of the `train` or `follow` with this id, and keeps its progress.
+
+    It has no answer of its own.
+    """
 
 
 class Trainings(Request, frozen=True, kw_only=True, tag="trainings"):
@@ -123,6 +132,41 @@ class Run(Request, frozen=True, kw_only=True, tag="run"):
     ] = UNSET
 
 
+class Film(Request, frozen=True, kw_only=True, tag="film"):
+    """A film of placements of the scene's world, one after the other."""
+
+    scene: Scene
+    placements: Annotated[list[Placement], Meta(min_length=1, max_length=FRAMES)]
+
+
+class Code(Request, frozen=True, kw_only=True, tag="code"):
+    """Code that computes what a view shows."""
+
+    scene: Scene
+    view: Annotated[
+        Literal["landscape", "pairs", "game", "training", "run"],
+        Meta(title="ShownView", description="which of the scene, or of a training"),
+    ]
+    tools: Annotated[
+        list[str], Meta(max_length=TOOLS, description="those whose exact averages are shown")
+    ] = []
+    placements: Annotated[
+        list[Placement],
+        Meta(
+            max_length=FRAMES,
+            description="of a game, from its start; of a run, that in which the episode begins",
+        ),
+    ] = []
+    settings: Annotated[
+        Settings | UnsetType, Meta(description="of a training that has no folder")
+    ] = UNSET
+    name: Annotated[
+        str | UnsetType,
+        Meta(description="of a training; by default, the folder that the studio was started with"),
+    ] = UNSET
+    index: Annotated[Index, Meta(description="which of its runs")] = 0
+
+
 AnyRequest = (
     Read
     | Measure
@@ -131,7 +175,10 @@ AnyRequest = (
     | Futures
     | Solve
     | Step
+    | Film
+    | Code
     | Train
+    | Follow
     | Edit
     | Stop
     | Trainings
