@@ -119,7 +119,7 @@ def test_code_of_pairs_gives_their_averages(
             assert found.averages[-1, row, column] == pytest.approx(shown[tool, object], abs=2e-6)
     printed = shell(code["command"], tmp_path)
     for tool in tools:
-        assert f"{shown[tool, 'ball']:.2f}" in printed
+        assert f"{shown[tool, 'ball']:.4f}" in printed
 
 
 @pytest.mark.parametrize("world", [YARD, BALL, BALL.with_tool("none")])
