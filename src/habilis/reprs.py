@@ -20,8 +20,8 @@ _MOST = 12  # parts of a list that are named
 _BAR, _HIGH, _MOST_BARS = 6, 60, 100  # pixels, and how many bars are drawn
 
 _TABLE = 'style="border-collapse:collapse;display:inline-table;vertical-align:top"'
-_NAME = 'style="text-align:left;padding:2px 12px 2px 0;font-weight:600;vertical-align:top"'
-_VALUE = 'style="text-align:left;padding:2px 0"'
+_NAME = 'style="text-align:left;padding:2px 12px 2px 6px;font-weight:600;vertical-align:top"'
+_VALUE = 'style="text-align:left;padding:2px 12px 2px 0"'
 
 
 def quietly(show: Callable[[Any], Any]) -> Callable[[Any], Any]:
