@@ -1,10 +1,13 @@
 """Puzzles and environments in the studio: what it shows of them is what the library says."""
 
+import json
 from pathlib import Path
 
 import msgspec
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import habilis as hb
 from habilis.analysis.futures import futures
@@ -12,8 +15,10 @@ from habilis.bridges.puzzles.pushworld import PushWorld, load_pushworld
 from habilis.bridges.puzzles.sokoban import load_sokoban
 from habilis.studio import scene_steps
 from habilis.studio.board_scenes import BoardScene
+from habilis.studio.boards import PuzzleBoard
 from habilis.studio.messages import MessageError, read
 from habilis.studio.opening import Opened, open_source
+from habilis.studio.protocol.requests import Step
 from habilis.studio.protocol.scenes import Placement, Scene
 from studio import page, studio
 
@@ -184,6 +189,9 @@ def test_minigrid_is_measured_with_everything_but_the_agent_where_it_is(tmp_path
         ("wide.xsb", "has 3 x 61 cells; the studio shows up to 60 a side"),
         ("many.xsb", "factors; the studio shows up to 64"),
         ("large.txt", "has 4 x 31 cells; draw 4 to 30 a side"),
+        ("other.txt", "the page cannot represent the reading 'pushes'"),
+        ("five.txt", "the studio shows up to 4 tools and objects"),
+        ("none.txt", "none.txt"),
     ],
 )
 def test_what_cannot_be_shown_is_refused_in_a_line(tmp_path, monkeypatch, source, words):
@@ -193,6 +201,9 @@ def test_what_cannot_be_shown_is_refused_in_a_line(tmp_path, monkeypatch, source
     boxes = "$" * 30
     Path("many.xsb").write_text(f"{'#' * 32}\n#@{boxes}\n#{boxes}\n#{boxes}.\n{'#' * 32}\n")
     Path("large.txt").write_text(f"AC{'.' * 28}G\n" + f"{'.' * 31}\n" * 3)
+    Path("other.txt").write_text("P = picker pushes\nAP..\n.C.G\n....\n....\n")
+    binds = "".join(f"{mark} = picker\n" for mark in "QRSTU")
+    Path("five.txt").write_text(f"{binds}G = goal of C\nAQRST\nUC.G.\n.....\n.....\n")
     with pytest.raises(ValueError, match=r".") as refused:
         open_source(source, tmp_path)
     assert words in str(refused.value)
@@ -240,6 +251,45 @@ def test_an_invalid_question_about_a_board_is_one_line(sokoban, tmp_path, change
 def test_a_placement_that_no_puzzle_has_is_refused(sokoban, tmp_path, at, words):
     with pytest.raises(ValueError, match=words):
         scene_steps.step(question(open_source(sokoban, tmp_path)), at, 0)
+
+
+NUMBERS = st.integers(-2, 9) | st.sampled_from([2**31, 2**53, 0.5, None, "x", []])
+CELLS = st.lists(NUMBERS, max_size=3)
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    st.fixed_dictionaries(
+        {},
+        optional={
+            "sensor": st.sampled_from(["state", "factor", "object", "agent"]),
+            "thing": NUMBERS,
+            "only": CELLS,
+            "horizon": st.integers(-1, 3),
+            "slip": st.sampled_from([0, 0.1, 2]),
+        },
+    ),
+    st.fixed_dictionaries(
+        {"agent": CELLS, "tools": st.just([]), "objects": st.lists(CELLS, max_size=3)},
+        optional={"state": NUMBERS, "held": NUMBERS},
+    ),
+    NUMBERS,
+)
+def test_whatever_is_asked_of_a_board_is_answered_or_one_line_of_error(asked, at, action):
+    board = PuzzleBoard(PushWorld.parse(PUSH, "push"))
+    scene = {"board": "push"} | asked
+    message = {"id": 1, "do": "step", "scene": scene, "placement": at, "action": action}
+    try:
+        request, found = read(json.dumps(message), (), board)
+        assert isinstance(request, Step)
+        assert found is not None
+        answer = scene_steps.step(found, request.placement, request.action)
+        said = ""
+        assert board.state(answer["placement"])
+    except ValueError as error:
+        said = str(error)
+    assert len(said.splitlines()) <= 1
+    assert len(said) < 500
 
 
 def test_a_studio_answers_about_its_board_and_about_maps(sokoban):

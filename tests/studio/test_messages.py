@@ -39,6 +39,7 @@ WHOLE = {
     "read": {"scene": DRAWN},
     "measure": {"scene": SCENE},
     "landscape": {"scene": SCENE, "placement": AT},
+    "pairs": {"scene": DRAWN},
     "futures": {"scene": DRAWN, "agent": [0, 0]},
     "solve": {"scene": SCENE},
     "step": {

@@ -25,12 +25,13 @@ from habilis.bridges.puzzles.sokoban import names_puzzle, puzzle_named
 from habilis.extras import import_from
 from habilis.mdp import TabularMDP
 from habilis.studio.boards import Board, PuzzleBoard, TableBoard
+from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.limits import BOARD_SIDE, BOARD_STATES, FACTORS, THINGS
 from habilis.studio.protocol.hello import BoardAbout, Movable, RunAbout, Still
 from habilis.studio.scenes import check_size
 from habilis.worlds.map_text import FLOOR, WALL
 from habilis.worlds.pictures.shapes import Drawing
-from habilis.worlds.world import ENVIRONMENT, World, load_world, world_names
+from habilis.worlds.world import ENVIRONMENT, World, load_world
 
 _PIXELS = 32  # of a cell of Minigrid
 _KEPT = 512  # pictures
@@ -73,7 +74,7 @@ def open_source(source: str | None, folder: Path) -> Opened:
         return _of_puzzle(puzzle)
     if source.startswith(ENVIRONMENT):
         return _of_environment(source, folder)
-    if source in world_names() or Path(source).is_file():
+    if not Path(source).is_dir():
         return Opened(world=_small(load_world(source)))
     about = import_from("habilis.studio.run_steps", "learn").summary_of(Path(source))
     return Opened(run=Path(source), about_run=about)
@@ -83,6 +84,7 @@ def _small(world: World) -> World:
     check_size(world)
     if max(len(world.tools), len(world.objects)) > THINGS:
         raise ValueError(f"{world.name}: the studio shows up to {THINGS} tools and objects")
+    drawn_of(world)  # raises if a page cannot show it
     return world
 
 
