@@ -100,6 +100,18 @@ def test_a_world_that_the_page_cannot_show_is_refused(
     assert notebook.world is before
 
 
+def test_an_edit_that_the_page_could_not_have_made_is_an_error(
+    notebook: NotebookStudio, there: Page
+):
+    pushing = {"map": "P = picker pushes\n" + "\n".join(ROOM.rows)}
+    number = there.hello["shown"]["number"]
+    answer = there.ask("edit", scene=pushing, shown=number)
+    assert answer["error"].startswith("map: the page cannot represent the reading 'pushes'")
+    assert notebook.world is ROOM
+    edited(there, WALLED, number)
+    assert notebook.world.walls == WALLED.walls
+
+
 @pytest.mark.ill_typed
 def test_wrong_arguments_are_named(notebook):
     for height in (0, "640", 1.5, True):

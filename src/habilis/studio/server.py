@@ -25,7 +25,7 @@ from habilis.studio import keep_requests, limits, pairs, scene_requests, trainin
 from habilis.studio.clients import Client
 from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.limits import CLIENTS, MESSAGE
-from habilis.studio.messages import MessageError, kind_of, read
+from habilis.studio.messages import MessageError, kind_of, one_line, read
 from habilis.studio.opening import Opened, open_source
 from habilis.studio.protocol import requests
 from habilis.studio.protocol.answers import Answer
@@ -161,7 +161,10 @@ class Studio:
         if self.shared is None:
             words = "this studio is not embedded in a notebook; open one with habilis.open_studio"
             return Answer(id=request.id, error=words)
-        self.shared.edit(scene.world, request.shown)
+        try:
+            self.shared.edit(scene.world, request.shown)
+        except ValueError as error:
+            return Answer(id=request.id, error=one_line(error))
         return Answer(id=request.id)
 
 
