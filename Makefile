@@ -3,8 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/installed
 APART := .venv-integration
+OLDEST := .venv-oldest
 
-.PHONY: test test-slow test-long test-all test-studio test-studies test-integration paper quick multiverse studies check format docs calibrate pace reconstruct readings tools survey \
+.PHONY: test test-slow test-long test-all test-studio test-studies test-integration test-oldest paper quick multiverse studies check format docs calibrate pace reconstruct readings tools survey \
 	bench bench-sb3 page protocol studio-picture clean sbom
 
 # The whole product, on all processors, the tests of a file together: four minutes on two cores.
@@ -19,7 +20,7 @@ test-slow: $(INSTALLED)
 test-long: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist loadfile -m long
 
-test-all: test test-slow test-long test-integration
+test-all: test test-slow test-long test-integration test-oldest
 
 # The studio alone, its page in Debian's Chromium (apt-get install chromium), and that its build is
 # up to date.
@@ -33,6 +34,14 @@ test-studies: $(INSTALLED)
 # With torch, Stable-Baselines3, gymnax and Storm, in an environment of their own.
 test-integration: $(APART)/installed
 	$(APART)/bin/python -m pytest tests/integration tests/envs/test_functional.py
+
+# With the oldest version of each dependency that pyproject.toml admits, in an environment of their
+# own. What they deprecate has been replaced since: warnings are no errors here.
+test-oldest: $(OLDEST)/installed
+	$(OLDEST)/bin/python -m pytest -n auto --dist loadfile -W default -m "not slow and not long" $(UNDER_TEST)
+UNDER_TEST := tests/test_mdp.py tests/test_interpreted.py tests/test_from_gymnasium.py tests/analysis tests/bridges \
+	tests/channels tests/cli tests/empowerment tests/envs tests/learning tests/models tests/sweeps tests/tasks tests/worlds \
+	tests/studio/test_messages.py tests/studio/test_security.py
 
 paper: $(INSTALLED)
 	$(BIN)/habilis reproduce --out paper
@@ -129,6 +138,15 @@ $(APART)/installed: pyproject.toml constraints-integration.txt
 	$(APART)/bin/python -m pip install --quiet --disable-pip-version-check \
 		--constraint constraints-integration.txt \
 		stable-baselines3==2.9.2 gymnax==1.0.1 six pytest beartype --editable ".[learn,gymnasium,storm]"
+	touch $@
+
+# uv resolves to the oldest versions; the tools of the tests are those of constraints.txt.
+$(OLDEST)/installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(OLDEST)
+	$(OLDEST)/bin/python -m pip install --quiet --disable-pip-version-check uv
+	grep -E '^(beartype|hypothesis|minigrid|pytest|pytest-xdist)==' constraints.txt > $(OLDEST)/tools.txt
+	$(OLDEST)/bin/uv pip install --quiet --python $(OLDEST)/bin/python --resolution lowest-direct \
+		--requirement $(OLDEST)/tools.txt --editable ".[learn,gymnasium,sweep,studio,video]"
 	touch $@
 
 $(INSTALLED): pyproject.toml constraints.txt

@@ -84,7 +84,7 @@ def test_a_run_that_does_not_converge_uses_its_budget_and_is_kept(room):
 def test_episodes_say_what_happened(room):
     episodes = train(room.changed(episodes=300)).episodes
     assert episodes.columns == ["run", "episode", "steps", "return", "equipped", "attached"]
-    assert (episodes["episode"] == np.arange(300)).all()
+    assert (episodes["episode"].to_numpy() == np.arange(300)).all()
     assert episodes["steps"].is_between(2, 50).all()
     finished = episodes.filter(pl.col("steps") < 50)
     assert finished.height > 0

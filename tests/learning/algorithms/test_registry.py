@@ -88,7 +88,7 @@ def test_the_command_line_offers_its_settings(capsys):
 
 
 def test_the_studio_and_sweeps_offer_it():
-    assert offered()["algorithms"][NAME] == LABEL
+    assert offered().algorithms[NAME] == LABEL
     with open("sweep.toml", "w") as file:
         file.write(f'[config]\nworld = "room.txt"\nalgorithm = "{NAME}"\n[grid]\nsoftness = [1, 2]')
     found = [point.algorithm for point in read_spec("sweep.toml").grid]

@@ -288,10 +288,9 @@ def repeated(
     However many cells there are, this is as quick to make as one, and its files stay small.
     """
     places = AffineDeltaTransform(cast("Any", ax.transData))
-    offsets = cells[:, ::-1]
-    return PolyCollection(
-        [shape.points], offsets=offsets, offset_transform=places, linewidths=0, snap=False, **looks
-    )
+    outlines = [shape.points] if len(cells) else []  # Matplotlib 3.10 draws one without a place
+    where: dict[str, Any] = {"offsets": cells[:, ::-1], "offset_transform": places}
+    return PolyCollection(outlines, **where, linewidths=0, snap=False, **looks)
 
 
 def things_of(world: World, agent: Cell | None) -> dict[Cell, Drawing]:
