@@ -1,7 +1,8 @@
 /** The page: the server's greeting defines the choices; all views share one scene. */
 
 import { shapesOf } from "./board/picture";
-import { withBoard } from "./board/switch";
+import { fromBoardFragment, isBoardFragment, toBoardFragment } from "./board/address";
+import { withBoard, type Boards } from "./board/switch";
 import { createWatched } from "./core/watched";
 import { FRESH, fromFragment, toFragment, type Opened } from "./core/address";
 import type { App, View } from "./core/app";
@@ -30,9 +31,12 @@ import "./style/phone.css";
 import "./style/embedded.css";
 
 const VIEWS = ["design", "play", "train", "run"];
+const BOARD_VIEWS = ["design", "play"]; // the others are of maps
+const NO_BOARD = { board: "", sensor: "state", thing: 0, horizon: 0, slip: 0 } as const;
 const MOST_FAULTS = 5; // of a link, reported in a line
 
 let app: App | null = null;
+let boards: Boards | null = null;
 let views: Record<string, View> = {};
 let status: Status = "connecting";
 let frame: Frame | null = null;
@@ -60,14 +64,17 @@ byId("app").replaceChildren(h("p", { class: "opening" }, "Opening the studio…"
 
 function start(hello: Hello): void {
   keepShapes({ ...hello.shapes, ...(hello.board ? shapesOf(hello.board) : {}) });
-  const opened = fromFragment(location.hash, hello, VIEWS);
+  const toBoard = isBoardFragment(location.hash);
+  const opened = fromFragment(toBoard ? "" : location.hash, hello, VIEWS);
   const store = createStore(opened.shown?.scene ?? firstScene(hello));
   const measuring = createMeasuring(connection, store);
   notebook = createNotebook(hello, connection, store);
   app = { hello, connection, store, measuring, watched: createWatched(hello.run) };
   const [design, play] = [createDesign(app), createPlay(app)];
+  boards = hello.board ? withBoard(app, hello.board, design, play) : null;
   views = {
-    ...(hello.board ? withBoard(app, hello.board, design, play) : { design, play }),
+    design: boards?.design ?? design,
+    play: boards?.play ?? play,
     train: createTrain(app, () => frame?.open("run")),
     run: createRun(app),
   };
@@ -75,26 +82,51 @@ function start(hello: Hello): void {
   byId("app").replaceChildren(frame.element);
   frame.showStatus(status);
   let opening = true;
-  report(opened, hello.run ? "the world of the run" : hello.world ? "the studio's map" : `the built-in world ${firstWorld(hello)}`);
-  frame.open(opened.shown?.view ?? (hello.run ? "run" : "design"));
+  const first = hello.board
+    ? hello.board.name
+    : hello.run ? "the world of the run" : hello.world ? "the studio's map" : `the built-in world ${firstWorld(hello)}`;
+  boards?.show(opened.shown === null);
+  if (toBoard) openBoard(first);
+  else report(opened, first);
+  if (frame.view() === "") frame.open(opened.shown?.view ?? (hello.run ? "run" : "design"));
   if (!hello.board) frame.offerTour();
   store.watch(() => (opening ? keepAddress() : letGo()));
+  boards?.watch(() => (opening ? keepAddress() : letGo()));
   opening = false;
   addEventListener("hashchange", () => {
+    if (isBoardFragment(location.hash)) {
+      opening = true;
+      openBoard("the previous world");
+      opening = false;
+      return;
+    }
     const next = fromFragment(location.hash, hello, VIEWS);
     report(next, "the previous world");
     if (next.shown === null) return;
     const { scene, view } = next.shown;
-    if (toFragment(scene, view) === toFragment(store.scene(), frame!.view())) return;
+    if (!boards?.showing() && toFragment(scene, view) === toFragment(store.scene(), frame!.view())) return;
     opening = true;
+    boards?.show(false);
     store.show(scene);
     frame!.open(view);
     opening = false;
   });
 }
 
+/** Shows the board as the address has it. */
+function openBoard(instead: string): void {
+  const { board, limits } = app!.hello;
+  const first = boards?.question.first ?? NO_BOARD;
+  const opened = fromBoardFragment(location.hash, first, board, limits, VIEWS);
+  report(opened, instead);
+  if (opened.shown === null) return;
+  boards!.show(true);
+  boards!.question.show(opened.shown.scene);
+  frame!.open(opened.shown.view);
+}
+
 /** Reports the parts of a link that cannot be shown, and what is shown instead. */
-function report({ shown, faults }: Opened, instead: string): void {
+function report({ shown, faults }: Pick<Opened, "faults"> & { readonly shown: unknown }, instead: string): void {
   held = faults.length > 0;
   const [some, others] = [faults.slice(0, MOST_FAULTS).join("; "), faults.length - MOST_FAULTS];
   const what = `${some}${others > 0 ? `; and ${others} more` : ""}`;
@@ -106,7 +138,11 @@ function report({ shown, faults }: Opened, instead: string): void {
 
 /** The link to the current scene and view. */
 function address(): string {
-  const fragment = toFragment(app!.store.scene(), frame!.view());
+  const [view, board] = [frame!.view(), app!.hello.board];
+  const ofBoard = boards !== null && board !== null && boards.showing() && BOARD_VIEWS.includes(view);
+  const fragment = ofBoard
+    ? toBoardFragment(boards!.question.scene(), boards!.question.first, board, view)
+    : toFragment(app!.store.scene(), view);
   return new URL(`#${fragment}`, location.href).href;
 }
 

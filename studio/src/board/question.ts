@@ -11,7 +11,11 @@ export type Asked = Scene & Required<Pick<Scene, "board" | "sensor" | "thing" | 
 
 export interface Question {
   readonly element: HTMLElement;
+  /** The question that is asked first. */
+  readonly first: Asked;
   scene(): Asked;
+  /** Asks another question, such as a link's. */
+  show(next: Asked): void;
   /** The observed thing in words. */
   sensed(): string;
   watch(watcher: () => void): void;
@@ -22,9 +26,10 @@ const FIRST_HORIZON = 3;
 
 export function createQuestion({ hello }: App, board: BoardAbout): Question {
   const watchers: (() => void)[] = [];
-  let scene: Asked = {
+  const first: Asked = {
     board: board.name, sensor: EVERYTHING, thing: 0, horizon: FIRST_HORIZON, slip: 0,
   };
+  let scene = first;
   function change(part: Partial<Scene>): void {
     scene = { ...scene, ...part };
     for (const watcher of watchers) watcher();
@@ -71,7 +76,16 @@ export function createQuestion({ hello }: App, board: BoardAbout): Question {
       field("Actions", actions),
       slip.element,
     ),
+    first,
     scene: () => scene,
+    show(next) {
+      scene = next;
+      sensor.value = next.sensor === EVERYTHING ? EVERYTHING : `factor ${next.thing}`;
+      horizon.show(next.horizon);
+      slip.show(next.slip);
+      boxes.forEach((box, action) => (box.checked = next.only?.includes(action) ?? true));
+      for (const watcher of watchers) watcher();
+    },
     sensed: () => (scene.sensor === EVERYTHING ? "state" : wordsFor(board.factors[scene.thing]!).toLowerCase()),
     watch: (watcher) => watchers.push(watcher),
   };

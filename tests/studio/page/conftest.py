@@ -1,4 +1,7 @@
-"""One studio and one browser for all tests of the page's looks, and a page in them."""
+"""One studio for all tests of the page's looks, a browser for each file, and a page in it.
+
+A browser that outlived its file would be in the way of those of other files.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +13,7 @@ from studio_page import CHROMIUM, OPTIONS, STUCK, served, settled
 SIZE: ViewportSize = {"width": 1280, "height": 720}
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     if not CHROMIUM.exists():
         pytest.skip("apt-get install chromium")

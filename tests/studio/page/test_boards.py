@@ -85,6 +85,41 @@ def test_a_sokoban_level_is_measured_played_and_solved(browser: Browser, tmp_pat
         page.close()
 
 
+def test_a_link_has_the_question_about_a_board(browser: Browser, tmp_path: Path):
+    path = tmp_path / "level.xsb"
+    path.write_text(LEVEL)
+    with served(str(path)) as address:
+        page = opened(browser, address)
+        page.locator("#board-sensor").select_option(label="B1")
+        page.locator("#board-horizon").fill("2")
+        page.locator("#board-actions input").nth(0).uncheck()
+        settled(page)
+        link = page.url
+        assert link.endswith("#b=level.xsb&s=object%3Ab1&h=2&x=1.2.3")
+        bits = bits_in(page)
+        other = opened(browser, link)
+        assert bits_in(other) == bits
+        expect(other.locator("#board-sensor")).to_have_value("factor 2")
+        expect(other.locator("#board-actions input").nth(0)).not_to_be_checked()
+        other.get_by_text("Maps", exact=True).first.click()
+        settled_map = "#landscape-board[data-pending=false]"
+        other.wait_for_selector(settled_map, timeout=STUCK)
+        assert "#w=" in other.url
+        other.reload()
+        other.wait_for_selector(settled_map, timeout=STUCK)
+        expect(other.locator("#landscape-board")).to_be_visible()  # a link to a map shows the map
+        other.goto("about:blank")
+        other.goto(link.replace("level.xsb&s=object%3Ab1", "other.xsb"))
+        expect(other.locator("#link-fault")).to_contain_text("“other.xsb”, with which this studio")
+        other.goto("about:blank")
+        other.goto(link.replace("object%3Ab1", "b7").replace("h=2", "h=99"))
+        expect(other.locator("#link-fault")).to_contain_text("its sensor “b7” is unknown")
+        expect(other.locator("#link-fault")).to_contain_text("its horizon “99” is not a whole")
+        expect(other.locator("#board-horizon")).to_have_value("3")
+        page.close()
+        other.close()
+
+
 @pytest.mark.skipif(not TOOL.exists(), reason="needs the puzzles of PushWorld")
 def test_a_puzzle_of_pushworld_is_shown_with_its_bodies(browser: Browser):
     puzzle = load_pushworld(TOOL)
