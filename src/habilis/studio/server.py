@@ -153,7 +153,9 @@ class Studio:
                 work = scene_requests.step(pools, image, client, request, scene)
             case _:
                 work = scene_requests.ANSWERS[type(request)](pools, client, request, scene)
-        await client.ask(kind_of(request), request.id, work)
+        # A page shows a board and a map side by side: neither overtakes the other's requests.
+        kind = kind_of(request) if isinstance(scene, Scene | None) else f"{kind_of(request)} board"
+        await client.ask(kind, request.id, work)
 
     def _edited(self, request: requests.Edit, scene: AnyScene) -> Answer:
         if not isinstance(scene, Scene):
