@@ -6,8 +6,9 @@ from pathlib import Path
 import msgspec
 from msgspec import UNSET
 
-from habilis.studio import as_code
+from habilis.studio import as_code, as_code_of_board
 from habilis.studio.as_code import Written
+from habilis.studio.board_scenes import BoardScene
 from habilis.studio.clients import Client
 from habilis.studio.drawn_worlds import world_of
 from habilis.studio.protocol import requests
@@ -21,7 +22,7 @@ from habilis.worlds.world import NO_TOOL, World
 
 async def film(pools: Pools, client: Client, request: requests.Film, scene: AnyScene) -> None:
     """A film of placements."""
-    asked = {"scene": of_a_map(scene), "placements": request.placements}
+    asked = {"scene": scene, "placements": request.placements}
     found = await client.step(pools.slow, "film", **asked)
     await client.pass_on(FilmAnswer, request.id, found)
 
@@ -30,6 +31,7 @@ async def code(
     pools: Pools,
     trainings: Trainings,
     folder: Path | None,
+    source: str,
     tools: Sequence[str],
     client: Client,
     request: requests.Code,
@@ -41,9 +43,14 @@ async def code(
         pools: the worker processes.
         trainings: those that a name can be of.
         folder: of the run that the studio was started with.
+        source: of the board that the studio was started with.
         tools: the names of all tools.
         client, request, asked: as received.
     """
+    if isinstance(asked, BoardScene):
+        found = as_code_of_board.code(asked, source, request.view, request.placements)
+        await client.answer(CodeAnswer(id=request.id, python=found.python, command=found.command))
+        return
     scene = of_a_map(asked)
     if request.view in ("training", "run") and request.name is not UNSET:
         folder = trainings.path(request.name)

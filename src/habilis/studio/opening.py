@@ -4,7 +4,7 @@ import base64
 import io
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from threading import Lock
@@ -46,6 +46,7 @@ class Opened:
         world: the map to begin with.
         board: a puzzle or environment, and `about`, its description.
         image: the picture of one of its states as a data URI, if it is drawn by images.
+        source: the board's file or ID.
     """
 
     run: Path | None = None
@@ -54,6 +55,7 @@ class Opened:
     board: Board | None = None
     about: BoardAbout | None = None
     image: Callable[[int], str] | None = None
+    source: str = ""
 
 
 def open_source(source: str | None, folder: Path) -> Opened:
@@ -71,9 +73,9 @@ def open_source(source: str | None, folder: Path) -> Opened:
     if names_puzzle(source):
         puzzle = puzzle_named(source)
         assert puzzle is not None
-        return _of_puzzle(puzzle)
+        return replace(_of_puzzle(puzzle), source=source)
     if source.startswith(ENVIRONMENT):
-        return _of_environment(source, folder)
+        return replace(_of_environment(source, folder), source=source)
     if not Path(source).is_dir():
         return Opened(world=_small(load_world(source)))
     about = import_from("habilis.studio.run_steps", "learn").summary_of(Path(source))

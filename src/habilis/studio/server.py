@@ -138,8 +138,9 @@ class Studio:
             case requests.Follow():
                 work = training_requests.follow(pools, trainings, client, request)
             case requests.Code() if scene is not None:
-                folder, tools = self.opened.run, self.all_tools
-                work = keep_requests.code(pools, trainings, folder, tools, client, request, scene)
+                opened = self.opened.run, self.opened.source
+                tools = self.all_tools
+                work = keep_requests.code(pools, trainings, *opened, tools, client, request, scene)
             case requests.Film() if scene is not None:
                 work = keep_requests.film(pools, client, request, scene)
             case requests.Trainings():

@@ -6,6 +6,8 @@ import type { Question } from "./question";
 
 export interface BoardGame {
   readonly placement: Placement;
+  /** The placements from the start to the current one. */
+  readonly path: readonly Placement[];
   readonly image: string | null;
   /** At the start and after every step; null while unknown. */
   readonly bits: readonly (number | null)[];
@@ -40,7 +42,7 @@ export function createBoardPlayer(
   let looking = false;
 
   function fresh(): BoardGame {
-    return { placement: board.start, image: board.image, bits: [null], total: 0, ended: false, error: null };
+    return { placement: board.start, path: [board.start], image: board.image, bits: [null], total: 0, ended: false, error: null };
   }
 
   function reset(): void {
@@ -67,8 +69,10 @@ export function createBoardPlayer(
         if (!answer.lost) game = { ...game, error: answer.error };
       } else {
         const bits = answer.bits ?? null;
+        const placement = answer.placement ?? game.placement;
         game = {
-          placement: answer.placement ?? game.placement,
+          placement,
+          path: action === null ? game.path : [...game.path, placement],
           image: answer.image ?? game.image,
           bits: action === null ? game.bits.with(-1, bits) : [...game.bits, bits],
           total: game.total + (answer.reward ?? 0),

@@ -144,9 +144,13 @@ export function createBoardPlay(app: App, about: BoardAbout, question: Question)
     ),
   );
   function keeps(): Keeps {
-    const { bits } = player.game();
+    const { bits, path } = player.game();
+    const scene = question.scene();
+    const puzzle = about.image === null; // environments have neither films nor code here
     return {
       ...NOTHING,
+      films: puzzle ? [{ name: "The game so far", film: () => Promise.resolve({ scene, placements: [...path] }) }] : [],
+      code: puzzle ? { scene, view: "game", placements: [...path] } : null,
       pictures: [
         { name: "Board", picture: board.picture },
         ...(bits[0] === null ? [] : [{ name: "Bits of the game", picture: chart.picture }]),

@@ -131,3 +131,26 @@ def test_a_training_goes_on_after_a_reload_and_a_failed_one_is_dismissed(browser
         expect(page.locator("#python")).to_contain_text("'beta': 10.0")
         keep_picture(page, "keep-train")
         page.close()
+
+
+def test_a_puzzle_is_kept_as_pictures_values_films_and_code(browser: Browser, tmp_path: Path):
+    (tmp_path / "level.xsb").write_text("#######\n#@ $. #\n# $.  #\n#######\n")
+    with served(str(tmp_path / "level.xsb")) as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        page.goto(address)
+        expect(page.locator("#board-landscape .labels text").first).to_be_attached()
+        page.locator("#keep").click()
+        expect(page.locator("#python")).to_contain_text("hb.load_sokoban(")
+        expect(page.locator("#command")).to_contain_text("habilis landscape")
+        assert colours(kept(page, "World as PNG", tmp_path)) > 5
+        assert colours(kept(page, "Landscape as PNG", tmp_path)) > 5
+        assert len(rows(kept(page, "Landscape as CSV", tmp_path))) == 1 + 4 * 7
+        page.keyboard.press("Escape")
+        page.locator("#tab-play").click()
+        page.keyboard.press("ArrowRight")
+        expect(page.locator("#board-state")).to_contain_text("1 step")
+        page.locator("#keep").click()
+        with Image.open(kept(page, "The game so far as GIF", tmp_path)) as film:
+            assert film.n_frames == 2  # type: ignore[attr-defined]
+        expect(page.locator("#python")).to_contain_text("hb.explore(puzzle")
+        page.close()

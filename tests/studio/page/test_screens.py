@@ -7,7 +7,7 @@ from playwright.sync_api import Page, expect
 from studio_page import keep_picture, middle, shown_averages
 
 SCREENS = {"phone": (390, 844), "tablet": (820, 1180), "laptop": (1280, 720), "desk": (1920, 1080)}
-VIEWS = ("design", "play", "train", "run")
+VIEWS = ("design", "pairs", "play", "train", "run")
 CHART = 240, 130  # pixels, at least
 LETTERS = 10.0  # pixels, at least
 
@@ -50,7 +50,10 @@ SEEN = """() => ({
 
 
 def open_view(page: Page, view: str) -> None:
-    page.locator(f"#tab-{view}").click()
+    page.locator(f"#tab-{'design' if view == 'pairs' else view}").click()
+    if view == "pairs":
+        page.get_by_role("radio", name="Which tool?").check(force=True)
+        page.wait_for_selector("#pairs[data-pending=false]")
     if view == "design":
         shown_averages(page)
     if view == "play":
