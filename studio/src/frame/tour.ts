@@ -130,7 +130,7 @@ export function createTour({ store, measuring }: App, openDesign: () => void): T
 
   function begin(): void {
     openDesign();
-    outcome.textContent = "Each number of the landscape is a count of futures, in bits.";
+    outcome.textContent = "Each number of the landscape counts the futures that the agent can choose from there, in bits.";
     show(0);
   }
 
