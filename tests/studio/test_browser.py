@@ -795,7 +795,7 @@ def test_a_training_is_listed_again_after_a_reload(browser: Browser):
         watch.click()
         expect(page.locator("#run-caption")).to_contain_text("step")
 
-        # What trains when its page is closed is stopped, and kept as it is then.
+        # What trains when its page is loaded again goes on, until it is stopped.
         page.locator("#tab-train").click()
         page.locator("#seed").fill("78")
         page.locator("#beta").fill("10")
@@ -807,7 +807,9 @@ def test_a_training_is_listed_again_after_a_reload(browser: Browser):
         settled(page)
         page.locator("#tab-train").click()
         stopped = page.locator(".training").filter(has_text="seed 78")
-        expect(stopped).to_contain_text("stopped early")
+        expect(stopped).to_have_count(1)
+        page.locator("#stop").click()
+        expect(stopped).to_contain_text("stopped after")
         expect(stopped.get_by_role("button", name="Watch")).to_have_count(1)
         page.close()
 
