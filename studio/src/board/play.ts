@@ -153,7 +153,7 @@ export function createBoardPlay(app: App, about: BoardAbout, question: Question)
       code: puzzle ? { scene, view: "game", placements: [...path] } : null,
       pictures: [
         { name: "Board", picture: board.picture },
-        ...(bits[0] === null ? [] : [{ name: "Bits of the game", picture: chart.picture }]),
+        ...(chart.lines().length ? [{ name: "Bits of the game", picture: chart.picture }] : []),
       ],
       tables: [
         ...(values ? [{ name: "Board", rows: rowsOf(values.grid, "bits") }] : []),

@@ -189,7 +189,7 @@ export function createPlay(app: App): View {
     return {
       pictures: [
         { name: "Board", picture: board.picture },
-        ...(bits[0] === null ? [] : [{ name: "Bits of the game", picture: chart.picture }]),
+        ...(chart.lines().length ? [{ name: "Bits of the game", picture: chart.picture }] : []),
       ],
       tables: [
         ...(grid ? [{ name: "Board", rows: rowsOf(grid, "bits") }] : []),

@@ -72,6 +72,7 @@ def test_design_is_kept_as_pictures_values_and_code(page: Page, tmp_path: Path):
 
 def test_play_is_kept_as_films_and_bits(page: Page, tmp_path: Path):
     page.locator("#tab-play").click()
+    expect(page.locator("#bits-now")).not_to_have_text("–")
     for number, key in enumerate(("ArrowDown", "ArrowDown", "ArrowRight"), 1):
         page.keyboard.press(key)
         expect(page.locator("#play-state")).to_contain_text(f"{number} step")
