@@ -181,7 +181,7 @@ def few_steps(next_state, labels, label_count, horizon, starts, most, most_steps
 @compiled(few_steps)
 def _count_forward(next_state, labels, label_count, horizon, starts, most, most_steps):
     counts = np.empty(len(starts), np.int64)
-    room = min(len(next_state), most * next_state.shape[1])
+    room = max(min(len(next_state), most * next_state.shape[1]), 1)
     here = np.empty(room, np.int32)
     there = np.empty(room, np.int32)
     # met_at[s] is the last step (counted over all starts) at which s was in the set, kept_at[s]
