@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import re
 import tempfile
 from pathlib import Path
 
@@ -142,6 +143,25 @@ def test_whatever_comes_is_a_request_or_one_line_of_error(text):
 def test_what_is_meant_badly_is_an_error(text):
     with pytest.raises(MessageError):
         raise_if_no_request(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('{"do": "read", "id": 1, "scene": {"slip": "x"}, "scene": 1}', "has 'scene' twice"),
+        ('{"do": "read", "id": 1, "scene": {"slip": "x"}, "scene": {}}', "has 'scene' twice"),
+        ('{"do": "train", "do": "read", "id": 1, "scene": {"x": 1}}', "has 'do' twice"),
+        ('{"do": "read", "id": 1, "x` - at `$.scene.y": 1}', "is not as documented"),
+        ('{"do": "read", "id": 1, "scene": {"x - at `$.y[3]": 1}}', "is not as documented"),
+        ('{"do": "read", "id": 1, "scene": {"horizon": %s}}' % ("9" * 5_000), "not as documented"),
+        ('{"do": "read", "id": 1, "scene": {"map": "A", "slip": NaN}}', "is not JSON (JSON is"),
+        ('{"do": "read", "id": 1, "scene": {"map": "\\ud800"}}', "half of a surrogate pair"),
+    ],
+)
+def test_an_error_that_leads_nowhere_is_one_line_too(text, said):
+    with pytest.raises(MessageError, match=re.escape(said)) as raised:
+        read(text, TOOLS)
+    assert raised.value.id == 1
 
 
 def raise_if_no_request(text):

@@ -25,6 +25,7 @@ _KINDS: dict[str, inspect.StructType] = {
     for kind in inspect.type_info(AnyRequest).types  # type: ignore[attr-defined]
 }
 _STEP = re.compile(r"\.(\w+)|\[(\d+)\]")  # of a path in an error
+_HALF = re.compile(r"[\ud800-\udfff]|\\u[dD][89a-fA-F]")
 _UNKNOWN = "Object contains unknown field `"
 _MISSING = "Object missing required field `"
 _SHORT = Repr()
@@ -104,9 +105,10 @@ def _request(message: Any) -> Request:
     try:
         return _DECODER.decode(message)
     except msgspec.ValidationError as error:
-        raise ValueError(_explained(str(error), _loaded(message))) from None
+        raise ValueError(_explained(str(error), message)) from None
     except msgspec.DecodeError as error:
-        why = "it has half of a surrogate pair" if _loaded(message) is not None else error
+        half = _loaded(message) is not None and _HALF.search(message)
+        why = "it has half of a surrogate pair" if half else error
         raise ValueError(f"a message is not JSON ({why}); send an object") from None
     except RecursionError:
         raise ValueError("a message is nested too deeply; send an object as documented") from None
@@ -138,27 +140,59 @@ def _check_inside(agent: tuple[int, int], scene: AnyScene | None) -> None:
         raise ValueError(f"the agent's cell {agent} is outside the map; give a free cell")
 
 
-def _explained(error: str, value: Any) -> str:
+def _explained(error: str, message: str) -> str:
     """The decoder's error in our words: which field is wrong, and what to give instead."""
+    try:
+        value = json.loads(message, object_pairs_hook=_once)
+    except _TwiceError as twice:
+        return str(twice)
+    except (ValueError, RecursionError):  # a number of thousands of digits, or a deep nest
+        return f"a message is not as documented ({error}); send an object that is"
     if not isinstance(value, dict):
         return "a message is not a JSON object; send one"
+    try:
+        return _located(error, value)
+    except (LookupError, TypeError, StopIteration):  # an unknown name that looks like a path
+        return f"a message is not as documented ({error}); send an object that is"
+
+
+class _TwiceError(Exception):
+    """A field that is given twice: decoders differ in which one counts."""
+
+
+def _once(fields: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in fields:
+        if name in found:
+            raise _TwiceError(f"a message has {shown(name)} twice in an object; give it once")
+        found[name] = value
+    return found
+
+
+def _located(error: str, value: dict[str, Any]) -> str:
+    """The error where its path leads.
+
+    Raises:
+        LookupError, TypeError, StopIteration: its path leads nowhere.
+    """
     what, _, path = error.partition(" - at `$")
     do = value.get("do")
     if not isinstance(do, str) or do not in _KINDS:
         return f"do is {shown(do)}; use one of {', '.join(_KINDS)}"
     name: str = ""
+    at: Any = value
     kind: Any = _KINDS[do]
     for step in _STEP.finditer(path):
         field, place = step.groups()
         if field is not None:
             kind = next(one.type for one in kind.fields if one.encode_name == field)
-            name, value = f"{name}.{field}" if name else field, value[field]
+            name, at = f"{name}.{field}" if name else field, at[field]
         else:
             kind = kind.item_type if hasattr(kind, "item_type") else kind.item_types[int(place)]
-            name, value = f"{name}[{place}]", value[int(place)]
+            name, at = f"{name}[{place}]", at[int(place)]
         kind, give = _bare(kind)
         if give is not None:
-            return f"{name} has {shown(value)}; give {give}"
+            return f"{name} has {shown(at)}; give {give}"
     name = name or f"the message {do!r}"
     if what.startswith(_MISSING):
         return f"{name} has no {what[len(_MISSING) : -1]!r}; give it"
@@ -167,7 +201,7 @@ def _explained(error: str, value: Any) -> str:
         return (
             f"{name} has {shown(what[len(_UNKNOWN) : -1])}, which is unknown; it may have {known}"
         )
-    return f"{name} is {shown(value)}; give {_wanted(kind)}"
+    return f"{name} is {shown(at)}; give {_wanted(kind)}"
 
 
 def _bare(kind: inspect.Type) -> tuple[Any, str | None]:
