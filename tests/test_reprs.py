@@ -21,6 +21,7 @@ from habilis.worlds.pictures.svg import chosen_places, world_svg
 SVG = "{http://www.w3.org/2000/svg}"
 HOSTILE = '<img src=x onerror="alert(1)">&\'"'
 ROOM = hb.World.parse("D = ball\nG = goal of C\nA.P.\n..C.\n.D..\n...G", "room")
+LEFT = np.zeros((2, 1), np.int32)
 LINE = hb.World.parse("A.CG", "line")
 PUZZLE = PushWorld.parse("A M0 . G0", "push")
 YARD = hb.load_world("yard")
@@ -260,6 +261,12 @@ def test_names_cannot_become_markup():
         assert "onerror" not in thing._repr_html_().replace("onerror=&quot;alert", "")
     assert HOSTILE in parsed_figure(run_of(name=HOSTILE)._repr_svg_())
     assert Tags(table_html(HOSTILE, {HOSTILE: HOSTILE})).names.count("img") == 0
+
+
+def test_names_cannot_break_the_line_or_move_the_cursor():
+    mdp = replace(hb.TabularMDP.deterministic(LEFT), factors={"a\nb\x1b[2J\u202e": LEFT[:, 0]})
+    assert "factors a\\nb\\x1b[2J\\u202e;" in repr(mdp)
+    assert repr(replace(LINE, name="é\n≤")).startswith("<World é\\n≤: ")
 
 
 def test_a_map_too_large_to_draw_unasked_is_text():

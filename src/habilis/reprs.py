@@ -80,14 +80,14 @@ def settings(thing: Any, nested: Collection[str] = ()) -> str:
 
 
 def short(name: str, *parts: str) -> str:
-    """A line, `<name: part; part>`; empty parts are left out.
+    """A line, `<name: part; part>`; empty parts are left out, and what no line shows is escaped.
 
     Example:
         >>> short("Plan", "3 steps", "", "return 0")
         '<Plan: 3 steps; return 0>'
     """
     line = "; ".join(part for part in parts if part)
-    return f"<{name}: {line}>"
+    return "".join(one if one.isprintable() else repr(one)[1:-1] for one in f"<{name}: {line}>")
 
 
 def counted(number: int, one: str, many: str = "") -> str:
