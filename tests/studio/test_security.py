@@ -1,12 +1,13 @@
 """Only pages that the studio served itself may use it."""
 
+import asyncio
 from urllib.parse import urlsplit
 
 import pytest
 from websockets.exceptions import InvalidStatus
 
 from habilis.studio.proxied import base_path, origins
-from habilis.studio.security import Access, is_loopback
+from habilis.studio.security import Access, Guard, is_loopback
 from studio import get, page, studio
 
 
@@ -141,7 +142,7 @@ def test_a_proxy_may_remove_the_path_and_replace_the_name(behind):
     local = f"http://127.0.0.1:{port}/"
     page_of = f"?{parts.query}"
     for path in ("/", parts.path):
-        for host in (None, "hub.example", "hub.example:443"):
+        for host in (None, "hub.example", "hub.example:443", "Hub.Example"):
             for origin in ({}, {"Origin": HUB}):
                 assert get(local, path + page_of, host, **origin)[0] == 200
             assert get(local, path, host)[0] == 403
@@ -188,6 +189,7 @@ def test_origins_are_as_browsers_send_them():
         "http://hub.example",
         "https://[::1]:8443",
     )
+    assert origins(["https://[2001:DB8:0:0::1]"]) == ("https://[2001:db8::1]",)
     assert base_path("/", 1) == "/"
     assert base_path("/user/x%40y/{port}", 8765) == "/user/x%40y/8765/"
 
@@ -197,3 +199,27 @@ def test_only_an_embedded_page_may_be_framed_and_by_notebooks_alone():
     assert access.token is not None
     assert Access.of("127.0.0.1", 1).token is None
     assert Access.of("127.0.0.1", 1, trusted=[HUB]).token is not None
+
+
+def test_an_address_with_many_fields_is_answered_without_a_fault():
+    async def served(scope, receive, send):
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+
+    async def status(path, access):
+        sent = []
+
+        async def send(message):
+            sent.append(message)
+
+        scope = {
+            "type": "http",
+            "path": path,
+            "query_string": b"&".join([b"a=1"] * 30),
+            "headers": [(b"host", b"127.0.0.1:1")],
+        }
+        await Guard(served, access, ("/assets/",))(scope, send, send)
+        return sent[0]["status"]
+
+    access = Access.of("127.0.0.1", 1, framed=True)
+    assert asyncio.run(status("/assets/studio.js", access)) == 200
+    assert asyncio.run(status("/", access)) == 403

@@ -1,5 +1,6 @@
 """The address of a studio behind a proxy: a path of its own, on other origins."""
 
+import ipaddress
 import re
 from collections.abc import Iterable
 from urllib.parse import unquote, urlsplit
@@ -74,9 +75,11 @@ def _origin(given: str) -> str:
     try:
         parts = urlsplit(given if isinstance(given, str) else "")
         port = parts.port
+        name = parts.netloc.removesuffix(f":{port}").lower()
+        if name.startswith("["):
+            name = f"[{ipaddress.IPv6Address(name[1:-1]).compressed}]"
     except ValueError:
         raise fault from None
-    name = parts.netloc.removesuffix(f":{port}").lower()
     whole = f"{parts.scheme}://{parts.netloc}"
     if (
         parts.scheme not in _DEFAULT_PORTS

@@ -112,7 +112,7 @@ class Access:
 
     def knows(self, host: str | None) -> bool:
         """Whether a `Host` header names this server, or a proxy that serves it."""
-        return self._is_own(host) or host in self._proxies
+        return self._is_own(host) or (host or "").lower() in self._proxies
 
     @cached_property
     def _proxies(self) -> frozenset[str]:
@@ -151,7 +151,7 @@ class Access:
                 return "a page of another origin may not use the studio; open the studio's own page"
         if self.token is None or open_to_all:
             return None
-        given = parse_qs(query, max_num_fields=20).get(TOKEN, [""])
+        given = _fields(query).get(TOKEN, [""])
         if len(given) != 1 or not hmac.compare_digest(given[0].encode(), self.token.encode()):
             return "the address has no valid token; open the one that the studio printed"
         return None
@@ -171,10 +171,7 @@ class Guard:
         path = self.access.inside(scope["path"])
         open_to_all = scope["type"] == "http" and path.startswith(self.open_paths)
         query = scope["query_string"].decode("latin-1")
-        try:
-            why = self.access.refusal(headers, query, open_to_all)
-        except ValueError as error:
-            why = str(error)
+        why = self.access.refusal(headers, query, open_to_all)
         if why is None and scope["type"] == "http":
             careful = _careful(send, self.access, headers["host"], query)
             if f"{path}/" == unquote(self.access.base) != "/":  # relative addresses need the slash
@@ -215,10 +212,18 @@ def _is_address(host: str) -> bool:
     return True
 
 
+def _fields(query: str) -> dict[str, list[str]]:
+    """The fields of an address; none of one with too many, which nobody asks for its pages."""
+    try:
+        return parse_qs(query, max_num_fields=20)
+    except ValueError:
+        return {}
+
+
 def _careful(send: Send, access: Access, host: str, query: str) -> Send:
     """Adds the headers that restrict the page to its own host, and what may frame it."""
     sockets = " ".join([f"ws://{host}", *map(websocket, access.origins)])
-    framed = access.framed and parse_qs(query, max_num_fields=20).get(EMBEDDED) == ["1"]
+    framed = access.framed and _fields(query).get(EMBEDDED) == ["1"]
     frames = " ".join([_NOTEBOOKS, *access.origins]) if framed else "'none'"
     policy = (
         "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
