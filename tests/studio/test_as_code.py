@@ -19,6 +19,7 @@ from studio import Page, scene
 
 YARD = hb.load_world("yard")
 BALL = hb.World.parse("D = ball\nG = goal of C\nH = goal of D\nAPC..\n.D...\n....G\n...H.")
+CLOSED = hb.World.parse("D = ball\nG = goal of C\nAC..\nD...\n...G\n..P.")
 NUMBERS = re.compile(r"-?\d+\.\d+|\bnan\b")
 
 
@@ -55,6 +56,7 @@ QUESTIONS = [
     (YARD, {"sensor": "cells", "horizon": 3, "cells": [[9, 2], [9, 3]]}),
     (BALL, {"sensor": "object", "horizon": 2, "thing": 1}),
     (YARD, {"sensor": "tool", "horizon": 2}),
+    (CLOSED, {"sensor": "cells", "horizon": 1, "cells": [[0, 2], [0, 1]], "slip": 0.1}),
 ]
 
 
@@ -147,6 +149,17 @@ def test_code_of_a_game_gives_the_bits_along_it(
     rows = [line.split() for line in shell(code["command"], tmp_path).splitlines()]
     row, column = placement["agent"]
     assert float(rows[row][column]) == pytest.approx(bits[-1], abs=0.0051)
+
+
+def test_code_of_a_game_that_began_elsewhere_gives_its_bits(
+    there: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    asked = scene(CLOSED, sensor="cells", cells=[[0, 2]], horizon=1)
+    placement = {"agent": [3, 1], "tools": [[3, 2]], "objects": [[0, 1], [1, 0]]}
+    step = there.ask("step", scene=asked, placement=placement, action=None)
+    code = there.ask("code", scene=asked, view="game", placements=[placement])
+    names, _ = python_of(code["python"], tmp_path, monkeypatch)
+    np.testing.assert_allclose(names["bits"], [step["bits"]], atol=2e-6)
 
 
 def test_a_film_has_a_frame_for_every_placement(there: Page):

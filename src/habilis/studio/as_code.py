@@ -39,8 +39,14 @@ def landscape(scene: Scene, world: World, tools: Sequence[str]) -> Written:
     """
     bare = not scene.world.tools and bool(world.tools)
     sensor, lines = _sensor(scene)
-    python = [*_opening(world, bare, lines), *lines]
-    python += [f"landscape = hb.landscape(world, {_arguments(scene, sensor)}{_slip(scene)})"]
+    python = _opening(world, bare, lines)
+    if lines:  # the agent may be where it can never come
+        things = {name: at for name, at in scene.placement.items() if name != "agent"}
+        python += [f"things = {_literal(things)}"]
+        python += ['starts = [{**things, "agent": cell} for cell in world.agent_cells]']
+        python += [f"mdp = hb.tabulate(world{_slip(scene)}, starts=starts)", *lines]
+    given = ", mdp=mdp" if lines else _slip(scene)
+    python += [f"landscape = hb.landscape(world, {_arguments(scene, sensor)}{given})"]
     python += ["print(landscape.values)"]
     several = len(world.objects) > 1
     if tools:
@@ -82,10 +88,11 @@ def game(scene: Scene, world: World, path: Sequence[Placement]) -> Written:
     """
     bare = not scene.world.tools and bool(world.tools)
     sensor, lines = _sensor(scene)
-    table = [] if lines else [f"mdp = hb.tabulate(world{_slip(scene)})"]
     places = [f"    {_literal(place)}," for place in path]
-    python = [*_opening(world, bare, lines), *lines, *table]
-    python += ["path = [", *places, "]", "states = [mdp.find(**place) for place in path]"]
+    python = [*_opening(world, bare, lines), "path = [", *places, "]"]
+    # It may have begun where nothing comes to from the map's own placement.
+    python += [f"mdp = hb.tabulate(world{_slip(scene)}, starts=path)", *lines]
+    python += ["states = [mdp.find(**place) for place in path]"]
     asked = f"mdp, {_arguments(scene, sensor)}, states=states"
     python += [f"bits = hb.empowerment({asked})", "print(bits)"]
     last, command = path[-1], ["habilis", "landscape", _FILE, *_options(scene)]
@@ -175,12 +182,11 @@ def _quoted(world: World) -> str:
 
 
 def _sensor(scene: Scene) -> tuple[str, list[str]]:
-    """The sensor as an expression, and the lines that define it if it has no name."""
+    """The sensor as an expression, and the lines that define it by `mdp` if it has no name."""
     if scene.sensor != "cells":
         return repr(_name(scene)), []
     cells = [tuple(cell) for cell in scene.cells]
     return "seen", [
-        f"mdp = hb.tabulate(world{_slip(scene)})",
         f"at = mdp.factor({scene.seen!r})",
         f"cells = [mdp.label(cell) for cell in {cells}]",
         f"seen = np.where(np.isin(at, cells), at, {ELSEWHERE})",
