@@ -70,7 +70,7 @@ def test_a_map_that_is_no_text_is_refused(text: Any):
         ),
         (None, "world is None; give a built-in world's name or the path of a map file"),
         (b"yard", "world is b'yard'; give a built-in world's name"),
-        (hb.load_world("yard"), "world is World.*; give a built-in world's name"),
+        (hb.load_world("yard"), "world is <World yard: .*>; give a built-in world's name"),
     ],
 )
 @pytest.mark.ill_typed

@@ -44,7 +44,7 @@ def test_what_is_infinite_or_no_number_is_null(capsys, tmp_path):
     pair = answer(capsys, str(tmp_path / "walled.txt"))["pairs"]["none"]["can"]
     assert (pair["range"], pair["latency"], pair["reliability"]) == (0, None, None)
     assert main(["compare", str(tmp_path / "walled.txt"), "--pairs"]) == 0
-    assert capsys.readouterr().out.splitlines()[-1].split()[:7] == (
+    assert capsys.readouterr().out.splitlines()[-2].split()[:7] == (
         ["none", "can", "0", "-", "-", "0.0000", "-"]
     )
 
@@ -57,9 +57,10 @@ def test_the_matrix_and_a_line_for_each_pair_are_printed(capsys, room):
     assert lines[1].split() == ["can", "ball"]
     for line, tool, row in zip(lines[2:5], found.tools, found.averages[-1], strict=True):
         assert line.split() == [tool, *(f"{bits:.4f}" for bits in row)]
-    heads, *rest = lines[7:]
+    heads, *rest, units = lines[7:]
+    assert units.startswith("range in cells; latency, least and median, in actions (-: over 2); ")
     assert len(rest) == 6
-    assert len({len(line) for line in lines[7:]}) == 1
+    assert len({len(line) for line in lines[7:-1]}) == 1
     for number, line in enumerate(rest):
         row, column = divmod(number, 2)
         words = line.split()

@@ -153,6 +153,12 @@ def test_the_command_line_trains_and_watches_tables(tmp_path, capsys, monkeypatc
     assert shown["expected"] == pytest.approx(shown["return"])
     main(["watch", "run"])
     assert "the policy expects a return of" in capsys.readouterr().out
+    monkeypatch.setattr("habilis.cli.watch.LISTED", 2)
+    main(["watch", "run"])
+    states, actions, *_ = capsys.readouterr().out.splitlines()
+    assert states.startswith("states 0, ")
+    assert states.endswith(f", and {shown['steps'] - 1} more")
+    assert actions == f"{shown['actions'][0]}, {shown['actions'][1]}, and {shown['steps'] - 2} more"
     assert main(["watch", "run", "--gif", "x.gif"]) == 2
     assert "trained on a table, which has no pictures; leave out --gif" in capsys.readouterr().err
 

@@ -469,6 +469,8 @@ def test_a_plan_from_a_terminal_state_goes_no_further_than_it_must(start):
 def test_a_stochastic_model_has_no_plan():
     with pytest.raises(ValueError, match="the model is stochastic, so that no sequence of actions"):
         hb.solve(Slippery())
+    with pytest.raises(ValueError, match="this MDP is stochastic, so that no sequence of actions"):
+        hb.solve(hb.explore(Slippery()))
 
 
 def test_an_environment_and_a_world_have_plans_too():

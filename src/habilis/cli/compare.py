@@ -191,6 +191,10 @@ def _run_pairs(args: Args) -> int:
     heads = ["tool", "object", "range", "latency", "median", "persistence", "reliability"]
     heads += [f"h = {h}" for h in range(1, found.horizon + 1)]
     _print_table([heads, *_lines(found)])
+    print(
+        f"range in cells; latency, least and median, in actions (-: over {found.horizon}); "
+        f"persistence in {found.unit}; reliability: the share of the average that slips leave"
+    )
     for path in args.out:
         print_written(path)
     return 0

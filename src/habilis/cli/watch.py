@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 HELP: str = "replay a trained agent"
 EXAMPLE: str = "habilis watch runs/toe --run 2 --gif toe.gif"
 COMMON: tuple[str, ...] = ("--run", "--gif", "--speed")
+LISTED = 100
+"""The number of actions that are printed; --json has all."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,13 +75,13 @@ def run(args: Args) -> int:
         return 0 if episode.finished else 1
     screen = console()
     if not frames:
-        print(f"states {', '.join(map(str, episode.states))}")
+        print(f"states {_listed(list(map(str, episode.states)))}")
     elif screen.is_terminal:
         _animate(screen, [colored_text(frame) for frame in frames], 1 / args.speed)
     else:
         screen.print(colored_text(frames[-1]))
     names = mdp.actions or tuple(map(str, range(mdp.action_count)))
-    print(", ".join(names[action] for action in episode.actions))
+    print(_listed([names[action] for action in episode.actions]))
     failed = "the goal is not reached" if stochastic else "the policy goes round in circles"
     end = "the goal is reached" if episode.finished else failed
     if not on_map:
@@ -97,6 +99,12 @@ def run(args: Args) -> int:
     for path, _ in videos:
         print_written(path)
     return 0 if episode.finished else 1
+
+
+def _listed(each: list[str]) -> str:
+    """All, or of many the first: a policy that goes round in circles fills no screen."""
+    more = len(each) - LISTED
+    return ", ".join(each) if more <= 0 else f"{', '.join(each[:LISTED])}, and {more:,} more"
 
 
 def _frames(args: Args, run: "Run", mdp: TabularMDP, states: tuple[int, ...]) -> list[Any]:

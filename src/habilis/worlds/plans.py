@@ -120,6 +120,11 @@ def solve(
         if plan is None or mdp.model_states is None:
             return plan
         return replace(plan, states=tuple(map(mdp.state, plan.states)))
+    if model.is_stochastic:
+        raise ValueError(
+            "this MDP is stochastic, so that no sequence of actions is a plan; train an agent on "
+            "it, with habilis.train(Config(world=mdp))"
+        )
     mdp, start = model, model.start if start is None else start
     if not isinstance(start, int | np.integer) or not 0 <= start < mdp.states:
         raise ValueError(f"start is {start}; use a state from 0 to {mdp.states - 1}")

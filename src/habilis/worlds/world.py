@@ -1,5 +1,6 @@
 """A world: walls, and where the agent, the tools, the objects and their goals start."""
 
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.resources import files
@@ -19,6 +20,11 @@ from habilis.worlds.tools import Reading, Tool, name_of
 NO_TOOL = "none"
 ENVIRONMENT = "gym:"
 """Before the name of a Gymnasium environment on the command line."""
+
+_TABLES = (".npz", ".drn")
+"""The ends of names of files with a table: ours, and Storm's."""
+
+_PYTHON = re.compile(r"\.py(:\w*)?$")
 
 
 @dataclass(frozen=True)
@@ -398,6 +404,8 @@ def _source(name: str | Path) -> tuple[str, str, Path | None]:
         text = next(f for f in _builtin_files() if f.name == f"{name}.txt").read_text("utf-8")
         return text, str(name), None
     path = Path(name)
+    if path.suffix.lower() in _TABLES or _PYTHON.search(str(name)):
+        raise ValueError(f"{shown(name)}: {_not_a_world(str(name), None)}")
     try:
         if path.exists() and not path.is_file():
             raise IsADirectoryError(0, "it is not a file")
@@ -411,7 +419,7 @@ def _source(name: str | Path) -> tuple[str, str, Path | None]:
         raise ValueError(f"{named}: {_not_a_world(str(name), error)}") from error
 
 
-def _not_a_world(name: str, error: Exception) -> str:
+def _not_a_world(name: str, error: Exception | None) -> str:
     """The problem with a name, and what to name instead."""
     known = f"name one of {', '.join(world_names())}, or the path of a map file"
     if "\n" in name:
@@ -420,6 +428,16 @@ def _not_a_world(name: str, error: Exception) -> str:
         return (
             "no such world (it is a Gymnasium environment, which habilis empowerment and train "
             f"take, and in Python TabularMDP.from_gymnasium); here {known}"
+        )
+    if Path(name).suffix.lower() in _TABLES:
+        return (
+            "no such world (it is a table, which habilis empowerment and train take, and in Python "
+            f"TabularMDP.load); here {known}"
+        )
+    if _PYTHON.search(name):
+        return (
+            "no such world (it is Python; of a model in it, habilis.explore(model).save(path) "
+            f"makes a table, .npz, which habilis empowerment and train take); here {known}"
         )
     reason = getattr(error, "strerror", None) or error
     return f"no such world ({reason}); {known} (World.parse reads map text)"

@@ -31,7 +31,7 @@ export function createBoardDesign(app: App, about: BoardAbout, question: Questio
       h("div", { class: "card-head" }, h("h2", { class: "board-name" }, about.name)),
       board.element,
       h("p", { class: "quiet", id: "board-facts" }, facts.filter(Boolean).join(" · ")),
-      h("p", { class: "quiet" }, "Shown as it is: design is for maps."),
+      h("p", { class: "quiet" }, "Only maps can be edited."),
     ),
     card(
       "Landscape",

@@ -12,6 +12,7 @@ import type { Stood } from "./things";
 
 const LEGIBLE = 11; // pixels: the letters of values
 const FONT = 32; // units: those letters where cells are large
+const FAINT = 0.3; // of what lies under a number
 const TOLERATED = 1.15; // how much smaller than that they may still be
 const LARGEST = 46; // units: those letters where cells are small
 const ACROSS = 165; // units: so many letters fit side by side, times their size
@@ -94,7 +95,11 @@ export function createBoard(name: string, id: string, moving = false): Board {
     }
     shown = next;
     const wall = ([row, column]: Cell) => walled[row * width + column] ?? false;
-    const still = (next.still ?? []).map(({ cell, drawing }) => use(drawing, ...corner(cell), UNIT)).join("");
+    const number = ([row, column]: Cell) => (next.values?.grid[row]?.[column] ?? null) !== null;
+    const still = (next.still ?? []).map(({ cell, drawing }) => {
+      const shape = use(drawing, ...corner(cell), UNIT);
+      return number(cell) ? `<g opacity="${FAINT}">${shape}</g>` : shape;
+    }).join("");
     redraw(walls, everyCell(next.world, (cell) => (wall(cell) ? use("wall", ...corner(cell), UNIT) : "")) + still);
     picture.classList.toggle("pictured", Boolean(next.image));
     redraw(image, next.image ? `<image href="${next.image}" width="${width * UNIT}" height="${height * UNIT}"/>` : "");

@@ -41,7 +41,7 @@ const STEPS: readonly Step[] = [
     done: (now, before) => now.horizon !== before.horizon,
   },
   {
-    words: "Point at a cell of the landscape to see the futures behind its number. Then play, and train. The tour is under “?”.",
+    words: "Point at a cell of the landscape to see the futures behind its number. Then play, and train. To see this tour again, press “?”.",
     target: "#landscape-board",
   },
 ];

@@ -66,5 +66,10 @@ def test_a_module_that_fails_is_refused_in_a_line_with_its_place(folder, capsys,
     assert f"gym:mine:Line-v0 cannot be made {why}; " in refusal(capsys, "gym:mine:Line-v0")
 
 
+def test_an_unknown_environment_is_told_that_a_module_may_register_it(folder, capsys):
+    said = refusal(capsys, "gym:MyMaze-v0")
+    assert "with the module that registers it, as gym:minigrid:MiniGrid-Empty-5x5-v0" in said
+
+
 def test_a_module_that_is_not_there_is_refused_in_a_line(folder, capsys):
     assert "gym:not_there:Line-v0 cannot be made (" in refusal(capsys, "gym:not_there:Line-v0")

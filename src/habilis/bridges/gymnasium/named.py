@@ -76,6 +76,7 @@ def _made(identity: str, arguments: dict[str, Any]) -> gymnasium.Env:
         raise ValueError(
             f"gym:{identity} cannot be made ({reason}); "
             "give a registered environment and its own arguments, as gym:FrozenLake-v1?map_name=8x8"
+            ", or with the module that registers it, as gym:minigrid:MiniGrid-Empty-5x5-v0"
         ) from None
 
 
