@@ -9,6 +9,7 @@ pictures are replaced by what they show, and links by their text.
 import os
 import re
 import subprocess
+from contextlib import suppress
 from email import message_from_string
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ _LINK = re.compile(
     r"(?s)(?P<code>```.*?```)|(?P<picture>!?)\[(?P<text>(?:[^\[\]]|\n)+)\]\((?P<path>(?![a-z]+:|#)[^)\s]+)\)"
 )
 _REMOTE = re.compile(
-    r"(?:https://|git@|ssh://git@)(?P<host>[\w.-]+)[/:](?P<path>[\w./-]+?)(?:\.git)?/?"
+    r"(?:https://|git@|ssh://git@)(?P<host>[\w.-]+)(?::\d+(?=/))?[/:](?P<path>[\w./-]+?)(?:\.git)?/?"
 )
 
 
@@ -47,7 +48,8 @@ def repository(root: Path) -> str | None:
     remote = os.environ.get("HABILIS_REPOSITORY")
     if remote is None and (root / ".git").exists():
         command = ["git", "-C", str(root), "remote", "get-url", "origin"]
-        remote = subprocess.run(command, capture_output=True, text=True).stdout.strip()
+        with suppress(OSError):  # a machine that builds may have no git
+            remote = subprocess.run(command, capture_output=True, text=True).stdout.strip()
     found = _REMOTE.fullmatch(remote or "")
     return found and f"https://{found['host']}/{found['path']}"
 

@@ -1,11 +1,13 @@
 """Steps in worker processes: served in turn, cancelled at any moment."""
 
 import asyncio
+import json
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from habilis.studio.child_processes import command
 from habilis.studio.clients import Client
 from habilis.studio.pool import Pool, StepError
 
@@ -48,6 +50,20 @@ def test_every_client_gets_one_step_before_any_gets_two():
     run(work)
     for turn in range(STEPS):
         assert sorted(served[turn * CLIENTS : (turn + 1) * CLIENTS]) == list(range(CLIENTS))
+
+
+@pytest.mark.parametrize("file", ["json.py", "numpy.py", "habilis.py"])
+def test_a_file_in_the_working_directory_is_not_a_library(tmp_path, monkeypatch, file):
+    (tmp_path / file).write_text("raise ImportError('not the one that is installed')")
+    monkeypatch.chdir(tmp_path)
+    assert run(lambda pool: pool.do(asyncio.Lock(), "echo", value="as ever")) == "as ever"
+    done = subprocess.run(
+        command("habilis.studio.training_process", str(tmp_path / "run")),
+        input=json.dumps({"world": "nowhere"}),
+        capture_output=True,
+        text=True,
+    )
+    assert "nowhere" in json.loads(done.stdout)["error"]
 
 
 def test_one_client_has_one_step_done_at_a_time_however_much_it_asks():

@@ -23,6 +23,7 @@ from typing import IO, Any, TypeVar
 
 from msgspec import to_builtins
 
+from habilis.studio.child_processes import command, find_last_in_working_directory
 from habilis.studio.limits import SECONDS
 
 _LENGTH = 4  # bytes
@@ -173,8 +174,7 @@ class Pool:
         # More linear-algebra threads per worker would only compete with each other.
         alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
         worker = await asyncio.create_subprocess_exec(
-            sys.executable,
-            *("-m", "habilis.studio.pool", self.module, str(int(self.background))),
+            *command("habilis.studio.pool", self.module, str(int(self.background))),
             stdin=PIPE,
             stdout=PIPE,
             limit=_LONGEST_ANSWER,
@@ -234,6 +234,7 @@ def main(module: str, background: str) -> None:
     warnings.simplefilter("ignore")  # the answers contain the uncertainty
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a custom tool may print
+    find_last_in_working_directory()
     steps = import_module(module)
     steps.prepare(bool(int(background)))
     print(json.dumps("ready"), file=answers, flush=True)

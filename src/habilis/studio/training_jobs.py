@@ -5,7 +5,6 @@ import contextlib
 import json
 import os
 import secrets
-import sys
 import traceback
 from asyncio.subprocess import PIPE, Process
 from collections.abc import AsyncGenerator, AsyncIterator, Iterator
@@ -16,6 +15,7 @@ import msgspec
 
 from habilis.files import write_whole
 from habilis.learning.config import Config
+from habilis.studio.child_processes import command
 from habilis.studio.limits import RELOADED, TRAINING
 from habilis.studio.messages import one_line, shown
 from habilis.studio.protocol.requests import Settings
@@ -237,8 +237,7 @@ def _writing(folder: Path) -> Iterator[None]:
 
 async def _started(folder: Path, config: Config) -> Process:
     process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        *("-m", "habilis.studio.training_process", str(folder)),
+        *command("habilis.studio.training_process", str(folder)),
         stdin=PIPE,
         stdout=PIPE,
     )

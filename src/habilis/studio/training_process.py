@@ -16,6 +16,7 @@ from habilis.learning.config import Config
 from habilis.learning.runner import train
 from habilis.learning.runs import Progress
 from habilis.learning.sources import map_of, source_of
+from habilis.studio.child_processes import find_last_in_working_directory
 from habilis.studio.limits import TRAINING
 from habilis.worlds.placements import start_of
 from habilis.worlds.reach import TooManyPlacementsError, reachable
@@ -25,6 +26,7 @@ CHECKPOINT_SECONDS = 1.0
 
 
 def main(folder: str) -> None:
+    find_last_in_working_directory()
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a custom tool may print
 
