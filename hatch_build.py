@@ -20,7 +20,8 @@ _LINK = re.compile(
     r"(?s)(?P<code>```.*?```)|(?P<picture>!?)\[(?P<text>(?:[^\[\]]|\n)+)\]\((?P<path>(?![a-z]+:|#)[^)\s]+)\)"
 )
 _REMOTE = re.compile(
-    r"(?:https://|git@|ssh://git@)(?P<host>[\w.-]+)(?::\d+(?=/))?[/:](?P<path>[\w./-]+?)(?:\.git)?/?"
+    r"(?:https://(?P<host>[\w.-]+(?::\d+)?)/|git@(?P<by_git>[\w.-]+):"
+    r"|ssh://git@(?P<by_ssh>[\w.-]+)(?::\d+)?/)(?P<path>[\w./-]+?)(?:\.git)?/?"
 )
 
 
@@ -51,7 +52,10 @@ def repository(root: Path) -> str | None:
         with suppress(OSError):  # a machine that builds may have no git
             remote = subprocess.run(command, capture_output=True, text=True).stdout.strip()
     found = _REMOTE.fullmatch(remote or "")
-    return found and f"https://{found['host']}/{found['path']}"
+    if found is None:
+        return None
+    host = found["host"] or found["by_git"] or found["by_ssh"]
+    return f"https://{host}/{found['path']}"
 
 
 def with_links(readme: str, address: str | None, version: str) -> str:

@@ -222,6 +222,7 @@ def test_where_no_address_is_known_the_readme_has_the_texts_of_links_alone():
         "https://example.org/someone/habilis.git",
         "git@example.org:someone/habilis.git",
         "ssh://git@example.org/someone/habilis",
+        "ssh://git@example.org:2222/someone/habilis",
         "https://example.org/someone/habilis/",
     ],
 )
@@ -233,6 +234,17 @@ def test_the_address_of_the_repository_is_that_of_its_remote(remote, monkeypatch
     assert hatch_build.repository(tmp_path) == ADDRESS
     monkeypatch.setenv("HABILIS_REPOSITORY", "https://example.org/other/place")
     assert hatch_build.repository(tmp_path) == "https://example.org/other/place"
+
+
+def test_a_remote_keeps_its_port_and_a_machine_without_git_has_none(monkeypatch, tmp_path):
+    monkeypatch.setenv("HABILIS_REPOSITORY", "https://example.org:8443/someone/habilis.git")
+    assert hatch_build.repository(tmp_path) == "https://example.org:8443/someone/habilis"
+    monkeypatch.setenv("HABILIS_REPOSITORY", "https://name:secret@example.org/someone/habilis")
+    assert hatch_build.repository(tmp_path) is None
+    monkeypatch.delenv("HABILIS_REPOSITORY")
+    (tmp_path / ".git").mkdir()
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert hatch_build.repository(tmp_path) is None
 
 
 def test_the_remote_of_a_clone_of_a_folder_is_no_address(monkeypatch, tmp_path):
