@@ -2,6 +2,7 @@
 
 import pytest
 
+from habilis.cli import main
 from habilis.learning.display import _text, progress_bars
 from habilis.learning.runs import Progress
 
@@ -40,3 +41,15 @@ def test_a_line_keeps_its_bar_at_80_columns(label, monkeypatch, capsys):
     assert label[-10:] in line
     assert "at most 66:40 left" in line
     assert "…" not in line
+
+
+def test_a_training_in_which_no_run_converged_says_what_to_try(tmp_path, capsys):
+    out = tmp_path / "a run"
+    command = ["train", "yard", "--runs", "1", "--episodes", "2", "--out", str(out)]
+    assert main(command) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "0 of 1 runs converged"
+    assert said[-1].endswith(
+        f"raise --episodes, or look at what they do with: habilis watch '{out}'"
+    )
+    assert "best return, -10:" in said[-1]

@@ -70,4 +70,9 @@ def run(args: Args) -> int:
     mean = f", after {summary['mean_episodes']:,.0f} episodes on average" if finished else ""
     print(f"{len(finished)} of {config.runs} runs converged{mean}")
     print_written(args.out)
+    if not finished:
+        print(
+            f"no run came close enough to the best return, {run.best_return:g}: raise --episodes, "
+            f"or look at what they do with: habilis watch {shlex.quote(str(args.out))}"
+        )
     return 0
