@@ -79,6 +79,7 @@ def complete(scripts: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
         (["landscape", "yard", "--sens"], "--sensor"),
         (["landscape", "yard", "--sensor", "o"], "object"),
         (["solve", "yard", "--tool", "b"], "broom"),
+        (["solve", "yard", "--tool", "my_m"], "my_map.txt"),
         (["compare", "yard", "--tools", "st"], "stick"),
         (["train", "yard", "--algorithm", "pp"], "ppo"),
         (["watch", "my_r"], "my_runs"),

@@ -97,6 +97,18 @@ def test_a_page_gets_every_pair_in_the_order_of_its_drawing(there):
         assert one["persistence"] == wanted.persistence[tool, thing]
 
 
+def test_tools_of_one_kind_that_fail_differently_have_values_of_their_own(there):
+    two = hb.World.parse("Q = picker slip 0.5\nG = goal of C\nAPQ.\n.C..\n....\n...G", "map")
+    names, found = received(there, scene=drawn(two, horizon=2))
+    sure, unsure = (
+        [tool["name"] for tool in names["tools"]].index(n) for n in ("picker", "picker2")
+    )
+    wanted = hb.pairs(two, 2, ["picker", "picker2"]).averages[:, :, 0]
+    assert found[sure, 0]["averages"] == pytest.approx(wanted[:, 0], abs=1e-5)
+    assert found[unsure, 0]["averages"] == pytest.approx(wanted[:, 1], abs=1e-5)
+    assert found[sure, 0]["averages"] != pytest.approx(found[unsure, 0]["averages"], abs=1e-2)
+
+
 def test_a_pair_that_is_not_available_says_why_and_the_others_come(there):
     world = hb.World.parse("A#P#\n#C##\n####\n###G", "map")
     _, found = received(there, scene=drawn(world))
