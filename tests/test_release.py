@@ -348,3 +348,5 @@ def test_the_citation_names_the_software_and_the_paper():
         "Catenacci Volpi",
     ]
     assert paper["year"] == 2023
+    bibliography = (ROOT / "docs" / "bibliography.md").read_text("utf-8")
+    assert f"https://doi.org/{paper['doi']})" in bibliography

@@ -60,7 +60,7 @@ def test_code_of_a_puzzles_landscape_gives_its_values(source: str, tmp_path: Pat
         shown[row, column] = bits
     written = code(scene, source, "landscape", [])
     np.testing.assert_allclose(ran(written.python)["landscape"].values, shown, atol=2e-6)
-    if "#" in source and question["horizon"] == 2:
+    if "only" in question or ("#" in source and question["horizon"] == 2):
         assert written.command is not None
         (tmp_path / "habilis").write_text(f'#!/bin/sh\nexec {sys.executable} -m habilis "$@"\n')
         (tmp_path / "habilis").chmod(0o755)
