@@ -6,7 +6,7 @@ import type { ReadAnswer, Scene as SceneMessage } from "../core/protocol";
 import { fitted, NO_TOOL } from "../core/scene";
 import { drawnOf, worldOf } from "../core/world";
 import { openDialog } from "../frame/dialog";
-import { button, notice } from "../frame/widgets";
+import { button, copyText } from "../frame/widgets";
 
 const BYTES = 4; // at most, per character
 const AROUND = 100; // characters of a message around the map
@@ -54,10 +54,7 @@ export function openMapText({ hello, connection, store }: App): void {
     });
   }
 
-  const copy = button("Copy", async () => {
-    await navigator.clipboard.writeText(area.value);
-    notice("Copied");
-  });
+  const copy = button("Copy", () => copyText(area.value, area));
   const save = button("Save as file", () => {
     const link = h("a", { download: "map.txt" });
     link.href = URL.createObjectURL(new Blob([`${area.value}\n`], { type: "text/plain" }));

@@ -189,3 +189,15 @@ export function notice(words: string): void {
   document.body.append(element);
   setTimeout(() => element.remove(), 3500);
 }
+
+/** Copies a text; where the browser does not let the page, as without HTTPS on another machine, selects what shows it. */
+export async function copyText(text: string, shown: HTMLElement): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+    notice("Copied");
+  } catch {
+    if (shown instanceof HTMLTextAreaElement) shown.select();
+    else getSelection()?.selectAllChildren(shown);
+    notice("Selected, but not copied: press Ctrl+C");
+  }
+}

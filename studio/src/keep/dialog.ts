@@ -4,7 +4,7 @@ import type { Connection } from "../core/connection";
 import { h } from "../core/elements";
 import type { Code, Film } from "../core/protocol";
 import { openDialog } from "../frame/dialog";
-import { button, notice } from "../frame/widgets";
+import { button, copyText } from "../frame/widgets";
 import { blobOf, csvOf, saveFile } from "./files";
 import { pngOf, svgOf } from "./pictures";
 
@@ -76,18 +76,11 @@ export function openKeep(connection: Connection, keeps: Keeps): void {
 
 /** Adds the code to the dialog, once the server has written it. */
 function showCode(connection: Connection, request: Asked<Code>, into: HTMLElement): void {
-  const block = (title: string, id: string, text: string) => [
-    h(
-      "div",
-      { class: "code-head" },
-      h("h3", { id: `${id}-title` }, title),
-      button("Copy", async () => {
-        await navigator.clipboard.writeText(text);
-        notice("Copied");
-      }, { id: `copy-${id}`, kind: "small" }),
-    ),
-    h("pre", { id, tabindex: 0, "aria-labelledby": `${id}-title` }, text),
-  ];
+  const block = (title: string, id: string, text: string) => {
+    const shown = h("pre", { id, tabindex: 0, "aria-labelledby": `${id}-title` }, text);
+    const copy = button("Copy", () => copyText(text, shown), { id: `copy-${id}`, kind: "small" });
+    return [h("div", { class: "code-head" }, h("h3", { id: `${id}-title` }, title), copy), shown];
+  };
   const asked = connection.ask("code", request, ({ python, command, error, progress }) => {
     if (progress !== undefined) return;
     asked.forget();

@@ -15,7 +15,7 @@ export function saveFile(name: string, content: Blob): void {
 export function csvOf(rows: readonly (readonly (string | number | null)[])[]): Blob {
   const field = (value: string | number | null) => {
     const text = value === null ? "" : String(value);
-    return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+    return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
   };
   const lines = rows.map((row) => row.map(field).join(","));
   return new Blob([lines.join("\n"), "\n"], { type: "text/csv" });

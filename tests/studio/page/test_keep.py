@@ -38,6 +38,15 @@ def colours(path: Path) -> int:
     return len(np.unique(pixels.reshape(-1, 3), axis=0))
 
 
+def test_where_the_clipboard_is_closed_code_is_selected_instead(page: Page):
+    page.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined })")
+    page.locator("#keep").click()
+    page.locator("#copy-python").click()
+    expect(page.locator(".notice")).to_have_text("Selected, but not copied: press Ctrl+C")
+    selected = page.evaluate("getSelection().toString()")
+    assert selected.strip() == (page.locator("#python").text_content() or "").strip()
+
+
 def test_design_is_kept_as_pictures_values_and_code(page: Page, tmp_path: Path):
     averages = shown_averages(page)
     bits = shown_bits(page)
