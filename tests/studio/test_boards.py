@@ -210,6 +210,21 @@ def test_what_cannot_be_shown_is_refused_in_a_line(tmp_path, monkeypatch, source
     assert len(str(refused.value).splitlines()) == 1
 
 
+@pytest.mark.parametrize("terminal", [True, False])
+def test_a_terminal_shows_the_progress_of_an_environment(tmp_path, monkeypatch, terminal):
+    asked = []
+
+    def table_named(name, max_states, **options):
+        asked.append(options)
+        raise ValueError("too large")
+
+    monkeypatch.setattr("habilis.bridges.gymnasium.named.table_named", table_named)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal, raising=False)
+    with pytest.raises(ValueError, match="too large"):
+        open_source("gym:CartPole-v1", tmp_path)
+    assert asked == [{"show_progress": terminal}]
+
+
 def test_a_map_s_file_is_the_world_that_pages_begin_with(tmp_path):
     (tmp_path / "map.txt").write_text("AP..\n.C.G\n....\n....\n")
     opened = open_source(str(tmp_path / "map.txt"), tmp_path)

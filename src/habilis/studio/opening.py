@@ -3,6 +3,7 @@
 import base64
 import io
 import os
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -153,7 +154,8 @@ def _parts(drawing: Drawing) -> list[tuple[str, str]]:
 def _of_environment(source: str, folder: Path) -> Opened:
     os.environ.setdefault("SDL_VIDEODRIVER", "dummy")  # pygame draws into memory alone
     named = import_from("habilis.bridges.gymnasium.named", "gymnasium")
-    mdp = named.table_named(_with_images(source.removeprefix(ENVIRONMENT)), BOARD_STATES)
+    identity = _with_images(source.removeprefix(ENVIRONMENT))
+    mdp = named.table_named(identity, BOARD_STATES, show_progress=sys.stderr.isatty())
     pictures = Pictures(source, mdp)
     first = pictures.array(mdp.start)
     height, width, agent = pictures.grid()
