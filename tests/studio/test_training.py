@@ -1,5 +1,6 @@
 """The studio trains with the real trainer, and shows what was learned."""
 
+import asyncio
 import contextlib
 import os
 import signal
@@ -11,14 +12,16 @@ import numpy as np
 import pytest
 
 import habilis as hb
+from habilis.learning.config import Config
 from habilis.learning.curves import learning_curve
 from habilis.learning.folder import load_run, save_run
 from habilis.learning.replay import learned, play
 from habilis.learning.runner import train
-from habilis.studio import run_steps
+from habilis.studio import run_steps, training_jobs
 from habilis.studio.drawn_worlds import world_of
 from habilis.studio.limits import TRAINING
 from habilis.studio.protocol.scenes import Drawn
+from habilis.studio.training_jobs import Training
 from habilis.worlds.plans import solve
 from habilis.worlds.table import placement
 from habilis.worlds.tools import TOOLS
@@ -310,3 +313,30 @@ def test_what_is_trained_is_kept_where_it_was_asked_to_be(run, tmp_path):
         assert there.hello["kept"] is None
         assert there.hello["run"]["name"] == name
         check_view(there, run)
+
+
+def test_a_training_stops_once_nobody_follows_it_and_not_before(tmp_path, monkeypatch):
+    monkeypatch.setattr(training_jobs, "RELOADED", 0.05)
+    stopped = []
+
+    async def followed_by_two_pages_in_turn():
+        training = Training("name", tmp_path, Config(), asyncio.Semaphore(1))
+        monkeypatch.setattr(training, "stop", lambda: stopped.append("stopped"))
+        training.report = {"share": 0.1}
+        first, second = training.news(), training.news()
+        for page in (first, second):
+            assert await anext(page) == {"share": 0.1}
+        await first.aclose()
+        await asyncio.sleep(0.2)
+        assert stopped == []
+        await second.aclose()
+        await asyncio.sleep(0.2)
+        assert stopped == ["stopped"]
+        training.ended = True
+        third = training.news()
+        assert await anext(third) == {"share": 0.1}
+        await third.aclose()
+        await asyncio.sleep(0.2)
+
+    asyncio.run(followed_by_two_pages_in_turn())
+    assert stopped == ["stopped"]
