@@ -324,8 +324,8 @@ def test_a_training_stops_once_nobody_follows_it_and_not_before(tmp_path, monkey
         monkeypatch.setattr(training, "stop", lambda: stopped.append("stopped"))
         training.report = {"share": 0.1}
         first, second = training.news(), training.news()
-        for page in (first, second):
-            assert await anext(page) == {"share": 0.1}
+        for one in (first, second):
+            assert await anext(one) == {"share": 0.1}
         await first.aclose()
         await asyncio.sleep(0.2)
         assert stopped == []
