@@ -1,0 +1,398 @@
+"""Effective empowerment: one action's influence on a random later observation, under a policy.
+
+The channel from the action A in state s to the observation K steps later, K geometric and itself
+not observed, all later actions by the policy. With T the transition matrix under the policy and E
+the probabilities of what is observed after one step under it, the discounted observations
+
+    N = (1 - g) E + g T N,     g the discount,
+
+are a fixed point that iteration approaches by the factor g a step, in total variation in every
+state: how many steps suffice is known beforehand, and is the certificate.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+import numpy as np
+from jaxtyping import Float64, Int64
+from numpy.typing import ArrayLike
+
+from habilis.channels.capacity import warn_of_gap
+from habilis.checks import is_number
+from habilis.empowerment.arguments import Unit, chosen_states, per_bit, positive, whole_number
+from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
+from habilis.mdp import TabularMDP
+from habilis.probabilities import as_array, row_stochastic
+from habilis.processors import processors
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+Bits = Float64[np.ndarray, "n"]
+
+_BLOCK = 32_000_000  # numbers of the discounted observations that are worked on at once
+_LN2 = float(np.log(2))
+
+
+@dataclass(frozen=True)
+class _Channel:
+    """The channel of every state, as sparse matrices with a row for each state and action.
+
+    Attributes:
+        moves: float64[S * A, S], the probabilities of next states.
+        seen: float64[S * A, O], of what is observed in them.
+        choice: float64[S, S * A], the policy.
+        at_once: float64[S, O], what is observed without any action.
+        discount: g.
+        first_step: the least number of steps.
+    """
+
+    moves: "csr_array"
+    seen: "csr_array"
+    choice: "csr_array"
+    at_once: "csr_array"
+    discount: float
+    first_step: int
+
+
+@overload
+def effective_empowerment(
+    mdp: TabularMDP,
+    policy: ArrayLike | Literal["uniform"],
+    discount: float,
+    sensor: Sensor = ...,
+    states: Any = ...,
+    first_step: int = ...,
+    maximise: bool = ...,
+    *,
+    tolerance: float = ...,
+    return_gap: Literal[False] = ...,
+    unit: Unit = ...,
+) -> Bits: ...
+
+
+@overload
+def effective_empowerment(
+    mdp: TabularMDP,
+    policy: ArrayLike | Literal["uniform"],
+    discount: float,
+    sensor: Sensor = ...,
+    states: Any = ...,
+    first_step: int = ...,
+    maximise: bool = ...,
+    *,
+    tolerance: float = ...,
+    return_gap: Literal[True],
+    unit: Unit = ...,
+) -> tuple[Bits, Bits]: ...
+
+
+def effective_empowerment(
+    mdp: TabularMDP,
+    policy: ArrayLike | Literal["uniform"],
+    discount: float,
+    sensor: Sensor = "state",
+    states: Any = None,
+    first_step: int = 1,
+    maximise: bool = False,
+    *,
+    tolerance: float = 1e-6,
+    return_gap: bool = False,
+    unit: Unit = "bits",
+) -> Bits | tuple[Bits, Bits]:
+    """The influence of one action on later observations, under a policy.
+
+    The mutual information of an action and the observation K steps later,
+
+        E(s) = I(A_t; O_(t+K) | s_t = s),   P(K = k) = (1 - g) g^(k - first_step), k >= first_step,
+
+    with A_t drawn from the policy at s, all actions after it by the policy, and K not observed
+    (Myers et al. 2024; Song, Gore and Kleiman-Weiner 2025). Unlike empowerment it depends on what
+    the agent does; it is at most the entropy of the policy at s. With `maximise` it is the
+    capacity over the distribution of A_t alone. Dynamics go on in terminal states.
+
+    Args:
+        mdp: a table with an action in every state.
+        policy: float[S, A], the probabilities of actions in each state, as `run.policy()` gives
+            those of a trained agent; or "uniform", over the available ones.
+        discount: g, from 0 up to but not 1. At 0 the observation is that after `first_step` steps.
+        sensor: as in `empowerment`, but one alone.
+        states: the n states asked about, as indices or as bool[S]; by default all.
+        first_step: the least number of steps until the observation, from 0 up.
+        maximise: whether A_t is drawn from its best distribution over the available actions.
+        tolerance: the gap to reach, in `unit`.
+        return_gap: whether to return the certificate too.
+        unit: "bits" or "nats", of values, gaps and tolerance.
+
+    Returns:
+        float64[n]; with `return_gap` also float64[n], by how much the true value may differ at
+        most.
+
+    Raises:
+        ValueError: a policy that is not one distribution over available actions a state, a
+            discount outside [0, 1), a state without actions, or what `empowerment` refuses.
+
+    Warns:
+        ConvergenceWarning: a gap is above the tolerance.
+
+    Example:
+        >>> ring = TabularMDP.deterministic([[(s - 1) % 9, (s + 1) % 9] for s in range(9)])
+        >>> effective_empowerment(ring, "uniform", discount=0.0)[0].round(3)
+        1.0
+        >>> effective_empowerment(ring, "uniform", discount=0.9)[0].round(3)
+        0.071
+    """
+    if not is_number(discount) or not 0 <= discount < 1:
+        raise ValueError(f"discount is {discount!r}; give a number from 0 up to but not 1")
+    first_step, scale = whole_number("first_step", first_step), per_bit(unit)
+    tolerance = positive("tolerance", tolerance) / scale
+    starts, chosen = chosen_states(mdp, states), checked_policy(mdp, policy)
+    channel = _channel_of(mdp, chosen, sensor, float(discount), first_step)
+    outputs = channel.seen.shape[1]
+    distance = _distance_of(tolerance / 2, outputs)
+    if maximise:
+        bits, gap = _capacities(channel, mdp.available, starts, distance, tolerance)
+    else:
+        bits = _informations(channel, chosen, starts, distance)
+        gap = np.zeros(len(starts))
+    gap = gap + (_entropy_error(distance, outputs) if discount > 0 else 0.0)
+    if (gap > tolerance).any():
+        warn_of_gap(float(gap.max()), tolerance)
+    return (bits * scale, gap * scale) if return_gap else bits * scale
+
+
+def checked_policy(
+    mdp: TabularMDP, policy: ArrayLike | Literal["uniform"]
+) -> Float64[np.ndarray, "S A"]:
+    """A policy as probabilities of available actions.
+
+    Raises:
+        ValueError: as `effective_empowerment` says of it.
+    """
+    available = mdp.available
+    if not available.any(axis=1).all():
+        state = int(np.flatnonzero(~available.any(axis=1))[0])
+        raise ValueError(
+            f"state {state} has no action, so that a policy ends there; give it a self-loop"
+        )
+    if isinstance(policy, str):
+        if policy != "uniform":
+            raise ValueError(f"policy is {policy!r}; give 'uniform' or float[S, A]")
+        return available / available.sum(axis=1, keepdims=True)
+    given = as_array("policy", policy)
+    wanted = mdp.states, mdp.action_count
+    if given.shape != wanted:
+        raise ValueError(
+            f"policy has shape {given.shape}; give float[states, actions], here {wanted}"
+        )
+    chosen = row_stochastic("policy", given, "state {}", "states").toarray()
+    outside = np.argwhere((chosen > 0) & ~available)
+    if len(outside):
+        state, action = outside[0]
+        raise ValueError(
+            f"policy has {chosen[state, action]:g} for action {action} in state {state}, which is "
+            "not available there; give 0"
+        )
+    return chosen
+
+
+def _channel_of(
+    mdp: TabularMDP,
+    policy: Float64[np.ndarray, "S A"],
+    sensor: Sensor,
+    discount: float,
+    first_step: int,
+) -> _Channel:
+    from scipy.sparse import csr_array
+
+    states, actions = policy.shape
+    if isinstance(sensor, str) and any(sign in sensor for sign in "+*"):
+        raise ValueError(f"sensor is {sensor!r}, several; give one alone")
+    seen = observation_probabilities(mdp, sensor)
+    moves = _moves(mdp)
+    if is_by_action(sensor):
+        if first_step == 0:
+            raise ValueError(
+                "first_step is 0, but the sensor shows nothing before an action; give 1 or more"
+            )
+        by_action = np.arange(states * actions).reshape(states, actions)
+        after = [
+            moves[by_action[:, a]] @ seen[a * states : (a + 1) * states] for a in range(actions)
+        ]
+        from scipy.sparse import vstack
+
+        observed = csr_array(vstack(after, format="csr"))[by_action_order(states, actions)]
+        at_once = csr_array((states, seen.shape[1]))
+    else:
+        observed, at_once = csr_array(moves @ seen), seen
+    pairs = np.arange(states * actions)
+    choice = csr_array((policy.ravel(), pairs, pairs[::actions].tolist() + [states * actions]))
+    return _Channel(moves, observed, choice, at_once, discount, first_step)
+
+
+def by_action_order(states: int, actions: int) -> Int64[np.ndarray, "n"]:
+    """Where row `s * A + a` is among rows `a * S + s`."""
+    return np.arange(states * actions).reshape(actions, states).T.ravel()
+
+
+def _moves(mdp: TabularMDP) -> "csr_array":
+    from scipy.sparse import csr_array
+
+    table = mdp.transitions
+    if not isinstance(table, np.ndarray):
+        return table
+    there = table.ravel() >= 0
+    first = np.concatenate([[0], np.cumsum(there)])
+    reached = table.ravel()[there]
+    return csr_array((np.ones(len(reached)), reached, first), (table.size, mdp.states))
+
+
+def _entropy_error(distance: float, outputs: int) -> float:
+    """By how many bits I changes if every row changes by a total variation distance.
+
+    Twice the bound of Fannes (1973) and Audenaert (2007) on an entropy.
+    """
+    if distance <= 0:
+        return 0.0
+    t = min(distance, 0.5)
+    binary = -t * np.log2(t) - (1 - t) * np.log2(1 - t)
+    return float(2 * (t * np.log2(max(outputs - 1, 1)) + binary))
+
+
+def _distance_of(bits: float, outputs: int) -> float:
+    """A total variation distance that changes I by at most so many bits."""
+    low, high = 0.0, 0.5
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _entropy_error(middle, outputs) <= bits else (low, middle)
+    return low
+
+
+def _discounted(channel: _Channel, columns: slice, distance: float) -> Float64[np.ndarray, "S O"]:
+    """The part of N for some observations, to within a total variation distance."""
+    under = channel.choice @ channel.moves
+    emitted = np.asarray((channel.choice @ channel.seen)[:, columns].toarray())
+    found, g = emitted, channel.discount
+    if g > 0:
+        # From E, which like N has rows that are distributions: the distance is at most 1 before.
+        steps = int(np.ceil(np.log(max(distance, 1e-300)) / np.log(g)))
+        for _ in range(steps):
+            found = _in_threads(under, found, emitted * (1 - g), g)
+    for _ in range(max(channel.first_step - 2, 0)):
+        found = _in_threads(under, found, np.zeros_like(emitted), 1.0)
+    return found
+
+
+def _in_threads(
+    matrix: "csr_array",
+    old: Float64[np.ndarray, "S O"],
+    added: Float64[np.ndarray, "S O"],
+    factor: float,
+) -> Float64[np.ndarray, "S O"]:
+    """added + factor * matrix @ old."""
+    from habilis.empowerment.tabular.policies import add_product
+
+    new = added.copy()
+
+    def some(rows: tuple[int, int]) -> None:
+        add_product(matrix.indptr, matrix.indices, matrix.data, old, factor, new, *rows)
+
+    _split(some, len(new))
+    return new
+
+
+def _split(some: Callable[[tuple[int, int]], None], count: int) -> None:
+    """Calls a function with ranges of rows, in as many threads as there are processors."""
+    workers = processors() if count >= 4096 else 1
+    edges = np.linspace(0, count, 1 + workers * (4 if workers > 1 else 1)).astype(int)
+    ranges = list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+    if workers == 1:
+        for one in ranges:
+            some(one)
+        return
+    with ThreadPoolExecutor(workers) as pool:
+        list(pool.map(some, ranges))
+
+
+def _weights(channel: _Channel) -> tuple[float, float, float]:
+    """The weights in a row of the channel of O at once, after one step, and of N after one."""
+    g = channel.discount
+    if channel.first_step == 0:
+        return 1 - g, g * (1 - g), g * g
+    if channel.first_step == 1:
+        return 0.0, 1 - g, g
+    return 0.0, 0.0, 1.0
+
+
+def _informations(
+    channel: _Channel,
+    policy: Float64[np.ndarray, "S A"],
+    starts: Int64[np.ndarray, "n"],
+    distance: float,
+) -> Bits:
+    """I(A; O) with the action drawn from the policy: a sum over observations, some at a time."""
+    from habilis.empowerment.tabular.policies import add_information
+
+    states, outputs = channel.at_once.shape
+    width = max(_BLOCK // states, 1)
+    nats = np.zeros(len(starts))
+    for first in range(0, outputs, width):
+        columns = slice(first, min(first + width, outputs))
+        rows = partial(_arguments, channel, _discounted(channel, columns, distance), columns)
+
+        def some(those: tuple[int, int], given: Any = rows()) -> None:
+            add_information(*given, policy, starts, nats, *those)
+
+        _split(some, len(starts))
+    return np.maximum(nats, 0) / _LN2
+
+
+def _capacities(
+    channel: _Channel,
+    available: np.ndarray,
+    starts: Int64[np.ndarray, "n"],
+    distance: float,
+    tolerance: float,
+) -> tuple[Bits, Bits]:
+    """The capacity over the distribution of the action, and its gap."""
+    from habilis.channels.capacity_solver import best_inputs
+    from habilis.empowerment.tabular.policies import add_capacity, channel_row
+
+    outputs = channel.at_once.shape[1]
+    given = _arguments(
+        channel, _discounted(channel, slice(0, outputs), distance), slice(0, outputs)
+    )
+    lower, upper = np.zeros(len(starts)), np.zeros(len(starts))
+    sought = tolerance * _LN2 / 2
+
+    def some(those: tuple[int, int]) -> None:
+        add_capacity(*given, available, starts, sought, lower, upper, *those)
+
+    _split(some, len(starts))
+    for place in np.flatnonzero(upper - lower > sought).tolist():  # few: those near to a tie
+        usable = np.flatnonzero(available[starts[place]])
+        rows = np.zeros((len(usable), outputs))
+        for row, action in zip(rows, usable.tolist(), strict=True):
+            channel_row(*given, int(starts[place]), action, available.shape[1], row)
+        rows = np.ascontiguousarray(rows[:, rows.any(axis=0)])
+        _, found = best_inputs(rows, sought)
+        if found.gap < upper[place] - lower[place]:
+            lower[place], upper[place] = found.lower, max(found.upper, found.lower)
+    return lower / _LN2, np.maximum(upper - lower, 0) / _LN2
+
+
+def _arguments(
+    channel: _Channel, discounted: Float64[np.ndarray, "S O"], columns: slice
+) -> tuple[Any, ...]:
+    """A channel's rows for some observations, as the kernels read them."""
+    moves, seen, at_once = channel.moves, channel.seen[:, columns], channel.at_once[:, columns]
+    return (
+        (at_once.indptr, at_once.indices, at_once.data),
+        (seen.indptr, seen.indices, seen.data),
+        (moves.indptr, moves.indices, moves.data),
+        discounted,
+        np.array(_weights(channel)),
+    )
