@@ -229,7 +229,7 @@ def _channel_of(
     else:
         observed, at_once = csr_array(moves @ seen), seen
     pairs = np.arange(states * actions)
-    choice = csr_array((policy.ravel(), pairs, pairs[::actions].tolist() + [states * actions]))
+    choice = csr_array((policy.ravel(), pairs, np.arange(0, states * actions + 1, actions)))
     return _Channel(moves, observed, choice, at_once, discount, first_step)
 
 
@@ -292,16 +292,20 @@ def _in_threads(
     added: Float64[np.ndarray, "S O"],
     factor: float,
 ) -> Float64[np.ndarray, "S O"]:
-    """added + factor * matrix @ old."""
+    """The sum `added + factor * matrix @ old`."""
     from habilis.empowerment.tabular.policies import add_product
 
     new = added.copy()
 
-    def some(rows: tuple[int, int]) -> None:
-        add_product(matrix.indptr, matrix.indices, matrix.data, old, factor, new, *rows)
-
-    _split(some, len(new))
+    arguments = (matrix.indptr, matrix.indices, matrix.data, old, factor, new)
+    _split(partial(_in_range, add_product, arguments), len(new))
     return new
+
+
+def _in_range(
+    kernel: Callable[..., None], arguments: tuple[Any, ...], rows: tuple[int, int]
+) -> None:
+    kernel(*arguments, *rows)
 
 
 def _split(some: Callable[[tuple[int, int]], None], count: int) -> None:
@@ -341,12 +345,8 @@ def _informations(
     nats = np.zeros(len(starts))
     for first in range(0, outputs, width):
         columns = slice(first, min(first + width, outputs))
-        rows = partial(_arguments, channel, _discounted(channel, columns, distance), columns)
-
-        def some(those: tuple[int, int], given: Any = rows()) -> None:
-            add_information(*given, policy, starts, nats, *those)
-
-        _split(some, len(starts))
+        given = _arguments(channel, _discounted(channel, columns, distance), columns)
+        _split(partial(_in_range, add_information, (*given, policy, starts, nats)), len(starts))
     return np.maximum(nats, 0) / _LN2
 
 
@@ -368,10 +368,8 @@ def _capacities(
     lower, upper = np.zeros(len(starts)), np.zeros(len(starts))
     sought = tolerance * _LN2 / 2
 
-    def some(those: tuple[int, int]) -> None:
-        add_capacity(*given, available, starts, sought, lower, upper, *those)
-
-    _split(some, len(starts))
+    arguments = (*given, available, starts, sought, lower, upper)
+    _split(partial(_in_range, add_capacity, arguments), len(starts))
     for place in np.flatnonzero(upper - lower > sought).tolist():  # few: those near to a tie
         usable = np.flatnonzero(available[starts[place]])
         rows = np.zeros((len(usable), outputs))
