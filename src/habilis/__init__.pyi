@@ -19,6 +19,7 @@ from habilis.empowerment import Exact as Exact
 from habilis.empowerment import Sampled as Sampled
 from habilis.empowerment import effective_empowerment as effective_empowerment
 from habilis.empowerment import empowerment as empowerment
+from habilis.empowerment import goal_directed_empowerment as goal_directed_empowerment
 from habilis.empowerment import persistence as persistence
 from habilis.envs import EmpowermentReward as EmpowermentReward
 from habilis.learning import A2C as A2C

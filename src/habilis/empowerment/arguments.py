@@ -67,21 +67,21 @@ def chosen_actions(mdp: TabularMDP, actions: ArrayLike | None) -> Int64[np.ndarr
     return np.unique(chosen).astype(np.int64)
 
 
-def chosen_states(mdp: TabularMDP, states: Any) -> Int64[np.ndarray, "n"]:
+def chosen_states(mdp: TabularMDP, states: Any, name: str = "states") -> Int64[np.ndarray, "n"]:
     """The given state indices, in order and as often as given; all by default."""
     if states is None:
         return np.arange(mdp.states)
-    chosen = np.atleast_1d(as_array("states", states))
+    chosen = np.atleast_1d(as_array(name, states))
     if chosen.dtype == bool and chosen.shape == (mdp.states,):
         return np.flatnonzero(chosen)
     if chosen.size == 0:
         return np.empty(0, np.int64)
     if chosen.ndim != 1 or not np.issubdtype(chosen.dtype, np.integer):
         raise ValueError(
-            f"states has shape {chosen.shape} and type {chosen.dtype}; "
+            f"{name} has shape {chosen.shape} and type {chosen.dtype}; "
             "give state indices, or one bool a state"
         )
     outside = chosen[(chosen < 0) | (chosen >= mdp.states)]
     if len(outside):
-        raise ValueError(f"states has {outside[0]}; use indices from 0 to {mdp.states - 1}")
+        raise ValueError(f"{name} has {outside[0]}; use indices from 0 to {mdp.states - 1}")
     return chosen.astype(np.int64)
