@@ -211,34 +211,22 @@ def _channel_of(
     states, actions = policy.shape
     if isinstance(sensor, str) and any(sign in sensor for sign in "+*"):
         raise ValueError(f"sensor is {sensor!r}, several; give one alone")
-    seen = observation_probabilities(mdp, sensor)
-    moves = _moves(mdp)
-    if is_by_action(sensor):
-        if first_step == 0:
-            raise ValueError(
-                "first_step is 0, but the sensor shows nothing before an action; give 1 or more"
-            )
-        by_action = np.arange(states * actions).reshape(states, actions)
-        after = [
-            moves[by_action[:, a]] @ seen[a * states : (a + 1) * states] for a in range(actions)
-        ]
-        from scipy.sparse import vstack
-
-        observed = csr_array(vstack(after, format="csr"))[by_action_order(states, actions)]
-        at_once = csr_array((states, seen.shape[1]))
+    if not is_by_action(sensor):
+        at_once = observation_probabilities(mdp, sensor)
+    elif first_step > 0:
+        at_once = csr_array((states, np.shape(sensor)[2]))
     else:
-        observed, at_once = csr_array(moves @ seen), seen
-    pairs = np.arange(states * actions)
-    choice = csr_array((policy.ravel(), pairs, np.arange(0, states * actions + 1, actions)))
-    return _Channel(moves, observed, choice, at_once, discount, first_step)
+        raise ValueError(
+            "first_step is 0, but the sensor shows nothing before an action; give 1 or more"
+        )
+    first = np.arange(0, states * actions + 1, actions)
+    choice = csr_array((policy.ravel(), np.arange(states * actions), first))
+    moves, seen = moves_of(mdp), last_observations(mdp, sensor)
+    return _Channel(moves, seen, choice, at_once, discount, first_step)
 
 
-def by_action_order(states: int, actions: int) -> Int64[np.ndarray, "n"]:
-    """Where row `s * A + a` is among rows `a * S + s`."""
-    return np.arange(states * actions).reshape(actions, states).T.ravel()
-
-
-def _moves(mdp: TabularMDP) -> "csr_array":
+def moves_of(mdp: TabularMDP) -> "csr_array":
+    """The probabilities of next states, float64[S * A, S], of any table."""
     from scipy.sparse import csr_array
 
     table = mdp.transitions
@@ -248,6 +236,19 @@ def _moves(mdp: TabularMDP) -> "csr_array":
     first = np.concatenate([[0], np.cumsum(there)])
     reached = table.ravel()[there]
     return csr_array((np.ones(len(reached)), reached, first), (table.size, mdp.states))
+
+
+def last_observations(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
+    """The probabilities of what is observed after an action in a state, float64[S * A, O]."""
+    from scipy.sparse import csr_array, vstack
+
+    seen, moves = observation_probabilities(mdp, sensor), moves_of(mdp)
+    if not is_by_action(sensor):
+        return csr_array(moves @ seen)
+    states, actions = mdp.states, mdp.action_count
+    after = [moves[a::actions] @ seen[a * states : (a + 1) * states] for a in range(actions)]
+    by_state = np.arange(states * actions).reshape(actions, states).T.ravel()
+    return csr_array(vstack(after, format="csr"))[by_state]
 
 
 def _entropy_error(distance: float, outputs: int) -> float:
