@@ -7,10 +7,21 @@ three arrays of scipy's CSR format.
 
 import numpy as np
 
-from habilis.compiled import compiled
+from habilis.compiled import compiled, part
 
 
-@compiled
+def _of_rows(at_once, seen, moves, discounted, weights, policy, states, *rest):
+    """Roughly the operations of all rows of the channel."""
+    start, stop = rest[-2:]
+    each = 4 + len(moves[2]) / max(len(moves[0]) - 1, 1)
+    return (stop - start) * policy.shape[1] * discounted.shape[1] * each
+
+
+def _of_iterations(*args):
+    return 50 * _of_rows(*args)
+
+
+@compiled(lambda first, column, value, old, *rest: len(value) * old.shape[1])
 def add_product(first, column, value, old, factor, new, start, stop):
     """new[start:stop] += factor * matrix[start:stop] @ old."""
     for row in range(start, stop):
@@ -20,7 +31,7 @@ def add_product(first, column, value, old, factor, new, start, stop):
                 new[row, o] += weight * old[other, o]
 
 
-@compiled
+@part
 def channel_row(at_once, seen, moves, discounted, weights, state, action, actions, row):
     """Writes P(o | state, action) into `row`."""
     row[:] = 0.0
@@ -36,7 +47,7 @@ def channel_row(at_once, seen, moves, discounted, weights, state, action, action
                 row[o] += weight * discounted[other, o]
 
 
-@compiled
+@compiled(_of_rows)
 def add_information(at_once, seen, moves, discounted, weights, policy, states, nats, start, stop):
     """Adds what these observations contribute to I(A; O), A by the policy, to nats[start:stop]."""
     actions = policy.shape[1]
@@ -60,7 +71,7 @@ def add_information(at_once, seen, moves, discounted, weights, policy, states, n
         nats[place] += total
 
 
-@compiled
+@compiled(_of_iterations)
 def add_capacity(
     at_once, seen, moves, discounted, weights, available, states, sought, lower, upper, start, stop
 ):
