@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from habilis.analysis.landscape_states import PlainMap, asked, asked_of_model, asked_of_puzzle
 from habilis.bridges.puzzles.pushworld import PushWorld
-from habilis.empowerment.api import Options, empowerment
+from habilis.empowerment.api import Options
+from habilis.empowerment.kinds import EFFECTIVE, OPEN_LOOP, WHOLE, checked_kind, of_kind
 from habilis.empowerment.methods import Exact, bounds_of
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor
@@ -20,6 +21,7 @@ from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel
 from habilis.reprs import counted, quietly, short, unfailing
 from habilis.worlds.placements import Factors
+from habilis.worlds.table import tabulate
 from habilis.worlds.things import Where
 from habilis.worlds.world import World
 
@@ -137,6 +139,9 @@ def landscape(
     sensor: Sensor = "state",
     actions: ArrayLike | None = None,
     *,
+    kind: str = OPEN_LOOP,
+    discount: float | None = None,
+    slack: int | None = None,
     slip: float = 0.0,
     tool: Where | None = None,
     object: Where | None = None,
@@ -151,6 +156,10 @@ def landscape(
             is explored than the horizon reaches. Or any other model or table whose factor "agent"
             is a cell: the states are those that differ from its first state in that factor alone.
         horizon, sensor, actions: as in `empowerment`.
+        kind: "open-loop"; "effective", under the uniform policy, which has a discount and no
+            horizon; "closed-loop"; or "goal-directed", towards the terminal states.
+        discount: of effective empowerment.
+        slack: of goal-directed empowerment; 0 by default.
         slip: as in `tabulate`.
         tool, object: their cells; by default those of the map. The agent next to the tool has it
             in hand; where the tool does not lie at its cell of the map, there are only such
@@ -173,14 +182,22 @@ def landscape(
         >>> found.values.shape, float(np.nanmax(found.values))
         ((10, 10), 1.0)
     """
+    checked_kind(kind, discount, slack)
     show = options.get("show_progress", False)
     shown: World | PushWorld | PlainMap
     if isinstance(model, World):
         _check_table(model, slip, tool, mdp)
+        if kind in WHOLE and mdp is None:
+            mdp = tabulate(model, slip, show_progress=show)
         shown, mdp, states = asked(model, horizon, sensor, slip, tool, object, mdp, show)
     elif isinstance(model, PushWorld):
         if tool is not None or mdp is not None:
             raise ValueError(f"{model.name} is a puzzle; leave out tool and mdp")
+        if kind in WHOLE:
+            raise ValueError(
+                f"{model.name} is a puzzle, of which {kind!r} would need every state; explore it, "
+                "and give the table"
+            )
         shown, mdp, states = asked_of_puzzle(model, horizon, object, show)
         mdp = mdp.slippery(slip)
     else:
@@ -189,7 +206,7 @@ def landscape(
         shown, mdp, states = asked_of_model(model, show)
         mdp = mdp.slippery(slip)
     values = np.full(shown.height * shown.width, np.nan)
-    bits = empowerment(mdp, horizon, sensor, actions, states, **options)
+    bits = of_kind(kind, mdp, horizon, sensor, actions, states, discount, slack, options)
     values[mdp.factor("agent")[states]] = bits
     bounds = bounds_of(options.get("method", Exact()))
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
@@ -197,11 +214,17 @@ def landscape(
         values=values.reshape(shown.height, shown.width),
         world=shown,
         unit=options.get("unit", "bits"),
-        title=f"{bounds}{horizon}-step empowerment{sensed}",
+        title=f"{bounds}{_named(kind, horizon, discount)}{sensed}",
     )
     if ax is not None:
         found.draw(ax)
     return found
+
+
+def _named(kind: str, horizon: int, discount: float | None) -> str:
+    if kind == EFFECTIVE:
+        return f"effective empowerment, discount {discount:g}"
+    return f"{horizon}-step {'' if kind == OPEN_LOOP else kind + ' '}empowerment"
 
 
 def _check_table(world: World, slip: float, tool: Where | None, mdp: TabularMDP | None) -> None:

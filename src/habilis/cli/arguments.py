@@ -5,6 +5,7 @@ from dataclasses import fields
 from typing import Any
 
 from habilis.cli.output import shows_progress
+from habilis.empowerment.kinds import KINDS, OPEN_LOOP
 from habilis.empowerment.methods import Exact, Sampled
 from habilis.worlds.reach import MAX_STATES
 from habilis.worlds.things import Where
@@ -36,6 +37,15 @@ def add_measure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--horizon", type=int, required=True, metavar="H", help="number of actions")
     parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
     add_slip(parser)
+
+
+def add_kind(parser: argparse.ArgumentParser) -> None:
+    text = f"kind of empowerment: {', '.join(KINDS)} (default {OPEN_LOOP})"
+    parser.add_argument("--kind", choices=KINDS, default=OPEN_LOOP, help=text, metavar="KIND")
+    text = "discount of effective empowerment, which ignores the horizon"
+    parser.add_argument("--discount", type=float, metavar="G", help=text)
+    text = "steps that goal-directed empowerment may add to a shortest way (default 0)"
+    parser.add_argument("--slack", type=int, metavar="N", help=text)
 
 
 def add_places(parser: argparse.ArgumentParser) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from habilis.cli.arguments import (
     Args,
     action_indices,
+    add_kind,
     add_measure,
     add_options,
     add_places,
@@ -31,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_measure(parser)
     add_options(parser)
     add_places(parser)
+    add_kind(parser)
     kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     parser.add_argument("--out", type=Path, metavar="F.png", help=kinds)
     parser.set_defaults(writes={"out": (*PICTURES, *TABLES)})
@@ -51,6 +53,9 @@ def run(args: Args) -> int:
         args.horizon,
         args.sensor,
         action_indices(args.actions),
+        kind=args.kind,
+        discount=args.discount,
+        slack=args.slack,
         slip=args.slip,
         **where,
         **measure_options(args),

@@ -1,0 +1,85 @@
+"""The kinds of empowerment by name, for measures that are made of any of them."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+from numpy.typing import ArrayLike
+
+from habilis.empowerment.api import Options, empowerment
+from habilis.empowerment.methods import Exact
+from habilis.empowerment.sensors import Sensor
+from habilis.mdp import TabularMDP
+
+OPEN_LOOP, EFFECTIVE, CLOSED_LOOP, GOAL_DIRECTED = KINDS = (
+    "open-loop",
+    "effective",
+    "closed-loop",
+    "goal-directed",
+)
+WHOLE = (EFFECTIVE, GOAL_DIRECTED)
+"""What looks farther ahead than the horizon, and so needs a whole table."""
+
+
+def checked_kind(kind: str, discount: float | None, slack: int | None) -> str:
+    """A kind's name, with none but its own settings.
+
+    Raises:
+        ValueError: there is no such kind, or it lacks a setting or has one of another.
+    """
+    if kind not in KINDS:
+        raise ValueError(f"kind is {kind!r}; use one of {', '.join(KINDS)}")
+    if (discount is None) == (kind == EFFECTIVE):
+        fix = "give discount=" if kind == EFFECTIVE else "leave out discount"
+        raise ValueError(f"discount is {discount} and kind {kind!r}; {fix}")
+    if slack is not None and kind != GOAL_DIRECTED:
+        raise ValueError(f"slack is {slack} and kind {kind!r}, which has none; leave it out")
+    return kind
+
+
+def of_kind(
+    kind: str,
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: ArrayLike | None,
+    states: Any,
+    discount: float | None,
+    slack: int | None,
+    options: Options,
+) -> Float64[np.ndarray, "n"]:
+    """Values of a kind; see the function of each.
+
+    Effective empowerment is that of the uniform policy, and has no horizon.
+
+    Raises:
+        ValueError: as there; or the kind does not know an option.
+    """
+    if kind == OPEN_LOOP:
+        return empowerment(mdp, horizon, sensor, actions, states, **options)
+    method, unit = options.get("method", Exact()), options.get("unit", "bits")
+    if not isinstance(method, Exact):
+        raise ValueError(f"kind {kind!r} has no method but Exact; leave out method")
+    if kind == CLOSED_LOOP:
+        from habilis.empowerment.closed_loop import closed_loop_empowerment
+
+        return closed_loop_empowerment(
+            *(mdp, horizon, sensor, states),
+            actions=actions,
+            tolerance=method.tolerance,
+            unit=unit,
+            show_progress=options.get("show_progress", False),
+        )
+    if actions is not None:
+        raise ValueError(f"kind {kind!r} is over all actions; leave out actions")
+    if kind == EFFECTIVE:
+        from habilis.empowerment.effective import effective_empowerment
+
+        assert discount is not None, "`checked_kind` has seen to it"
+        return effective_empowerment(
+            mdp, "uniform", discount, sensor, states, tolerance=method.tolerance, unit=unit
+        )
+    from habilis.empowerment.goal_directed import goal_directed_empowerment
+
+    bits = goal_directed_empowerment(mdp, horizon, None, slack or 0, sensor, states, method=method)
+    return bits if unit == "bits" else bits * np.log(2)

@@ -1,0 +1,69 @@
+"""Landscapes of every kind of empowerment, in Python and on the command line."""
+
+import json
+
+import numpy as np
+import pytest
+
+import habilis as hb
+from habilis.cli import main
+from habilis.empowerment.kinds import KINDS
+
+SETTINGS = {"effective": {"discount": 0.9}, "goal-directed": {"slack": 2}}
+MAP = "#####\n#APC#\n#..G#\n#####"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_landscape_has_the_values_of_its_kind(kind):
+    world = hb.World.parse(MAP)
+    found = hb.landscape(world, 2, "object", kind=kind, **SETTINGS.get(kind, {}))
+    mdp = hb.tabulate(world)
+    state = mdp.find(agent=(1, 1), tool=(1, 2), object=(1, 3))
+    expected = {
+        "open-loop": lambda: hb.empowerment(mdp, 2, "object", states=[state]),
+        "closed-loop": lambda: hb.closed_loop_empowerment(mdp, 2, "object", [state]),
+        "effective": lambda: hb.effective_empowerment(mdp, "uniform", 0.9, "object", [state]),
+        "goal-directed": lambda: hb.goal_directed_empowerment(
+            mdp, 2, slack=2, sensor="object", states=[state]
+        ),
+    }[kind]()
+    assert found.values[1, 1] == pytest.approx(expected[0])
+    assert np.isnan(found.values[0]).all()
+    assert kind.split("-")[0] in found.title or kind == "open-loop"
+
+
+def test_the_command_line_has_every_kind(tmp_path, capsys):
+    path = tmp_path / "map.txt"
+    path.write_text(MAP)
+    options = {"effective": ["--discount", "0.9"], "goal-directed": ["--slack", "2"]}
+    for kind in KINDS:
+        command = ["landscape", str(path), "--horizon", "2", "--sensor", "object", "--json"]
+        assert main([*command, "--kind", kind, *options.get(kind, [])]) == 0
+        shown = json.loads(capsys.readouterr().out)["values"]
+        found = hb.landscape(
+            hb.World.parse(MAP), 2, "object", kind=kind, **SETTINGS.get(kind, {})
+        ).values
+        np.testing.assert_allclose(np.array(shown, float), found)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"kind": "best"}, "kind is 'best'; use one of open-loop, effective"),
+        ({"kind": "effective"}, "discount is None and kind 'effective'; give discount="),
+        ({"discount": 0.5}, "discount is 0.5 and kind 'open-loop'; leave out discount"),
+        ({"slack": 1}, "slack is 1 and kind 'open-loop', which has none; leave it out"),
+        ({"kind": "goal-directed", "actions": [0]}, "is over all actions; leave out actions"),
+        ({"kind": "closed-loop", "method": hb.Sampled()}, "has no method but Exact"),
+    ],
+)
+def test_settings_of_another_kind_are_refused(settings, message):
+    with pytest.raises(ValueError, match=message):
+        hb.landscape(hb.World.parse(MAP), 2, "object", **settings)
+
+
+def test_a_puzzle_has_no_landscape_of_a_kind_that_needs_every_state(tmp_path):
+    path = tmp_path / "rod.pwp"
+    path.write_text("A  M0 G0 .\n.  .  .  .\n")
+    with pytest.raises(ValueError, match="is a puzzle, of which 'effective' would need every"):
+        hb.landscape(hb.load_pushworld(path), 2, "object:m0", kind="effective", discount=0.5)
