@@ -17,6 +17,7 @@ from habilis.empowerment.arguments import (
 )
 from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.combined import combined_with_gaps
+from habilis.empowerment.initial_beliefs import are_beliefs, with_beliefs
 from habilis.empowerment.limits import Progress
 from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
 from habilis.empowerment.old_keywords import takes_old_keywords
@@ -124,7 +125,10 @@ def empowerment(
         actions: the action indices that sequences are made of; by default all.
         states: the n states asked about, as indices or as bool[S]; of a world, as placements such
             as `{"agent": (0, 0), "tool": (1, 0), "object": (2, 2)}`; of a model, a list of its
-            states. By default all, in order, those of `explore`.
+            states. By default all, in order, those of `explore`. Or float[n, S], distributions
+            over states: the agent does not know where it is, and the channel is the mean of those
+            of the states. (The mean of their capacities is another number, never less: that of an
+            agent that knows.)
         method: `Exact` or `Sampled`, with their settings, such as `Exact(max_seconds=60)`; what it
             may cost, and the gap to reach, are those of each sensor.
         return_gap: whether to return the certificate too.
@@ -158,7 +162,14 @@ def empowerment(
         mdp = model
     else:
         mdp, states = _around(model, horizon, sensor, states, show_progress)
-    used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
+    used = chosen_actions(mdp, actions)
+    if are_beliefs(states):
+        return _from_beliefs(
+            *(mdp, horizon, sensor, used, states),
+            **{"method": method, "return_gap": return_gap, "unit": unit},
+            show_progress=show_progress,
+        )
+    starts = chosen_states(mdp, states)
 
     def through(one: Sensor) -> tuple[Bits, Bits]:
         if not mdp.is_stochastic and not is_noisy(one) and isinstance(method, Exact):
@@ -167,6 +178,25 @@ def empowerment(
             return bits * scale, np.zeros(len(bits))
         bits, gap = _solved(mdp, horizon, one, used, starts, method, scale, show_progress)
         return bits * scale, gap * scale
+
+    bits, gap = combined_with_gaps(mdp, sensor, through)
+    return (bits, gap) if return_gap else bits
+
+
+def _from_beliefs(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Int64[np.ndarray, "A"],
+    beliefs: Any,
+    return_gap: bool,
+    **options: Unpack[Options],
+) -> Bits | tuple[Bits, Bits]:
+    """Empowerment where the agent only has a distribution over states."""
+
+    def through(one: Sensor) -> tuple[Bits, Bits]:
+        larger, seen, states = with_beliefs(mdp, one, beliefs)
+        return empowerment(larger, horizon, seen, actions, states, return_gap=True, **options)
 
     bits, gap = combined_with_gaps(mdp, sensor, through)
     return (bits, gap) if return_gap else bits

@@ -37,7 +37,7 @@ from habilis.empowerment.arguments import (
     positive,
     whole_number,
 )
-from habilis.empowerment.effective import last_observations, moves_of
+from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from habilis.channels.capacity import warn_of_gap
 from habilis.checks import is_number
 from habilis.empowerment.arguments import Unit, chosen_states, per_bit, positive, whole_number
+from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array, row_stochastic
@@ -223,32 +224,6 @@ def _channel_of(
     choice = csr_array((policy.ravel(), np.arange(states * actions), first))
     moves, seen = moves_of(mdp), last_observations(mdp, sensor)
     return _Channel(moves, seen, choice, at_once, discount, first_step)
-
-
-def moves_of(mdp: TabularMDP) -> "csr_array":
-    """The probabilities of next states, float64[S * A, S], of any table."""
-    from scipy.sparse import csr_array
-
-    table = mdp.transitions
-    if not isinstance(table, np.ndarray):
-        return table
-    there = table.ravel() >= 0
-    first = np.concatenate([[0], np.cumsum(there)])
-    reached = table.ravel()[there]
-    return csr_array((np.ones(len(reached)), reached, first), (table.size, mdp.states))
-
-
-def last_observations(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
-    """The probabilities of what is observed after an action in a state, float64[S * A, O]."""
-    from scipy.sparse import csr_array, vstack
-
-    seen, moves = observation_probabilities(mdp, sensor), moves_of(mdp)
-    if not is_by_action(sensor):
-        return csr_array(moves @ seen)
-    states, actions = mdp.states, mdp.action_count
-    after = [moves[a::actions] @ seen[a * states : (a + 1) * states] for a in range(actions)]
-    by_state = np.arange(states * actions).reshape(actions, states).T.ravel()
-    return csr_array(vstack(after, format="csr"))[by_state]
 
 
 def _entropy_error(distance: float, outputs: int) -> float:

@@ -1,0 +1,37 @@
+"""One step of any table as sparse matrices, a row for each state and action."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
+from habilis.mdp import TabularMDP
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+
+def moves_of(mdp: TabularMDP) -> "csr_array":
+    """The probabilities of next states, float64[S * A, S], of any table."""
+    from scipy.sparse import csr_array
+
+    table = mdp.transitions
+    if not isinstance(table, np.ndarray):
+        return table
+    there = table.ravel() >= 0
+    first = np.concatenate([[0], np.cumsum(there)])
+    reached = table.ravel()[there]
+    return csr_array((np.ones(len(reached)), reached, first), (table.size, mdp.states))
+
+
+def last_observations(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
+    """The probabilities of what is observed after an action in a state, float64[S * A, O]."""
+    from scipy.sparse import csr_array, vstack
+
+    seen, moves = observation_probabilities(mdp, sensor), moves_of(mdp)
+    if not is_by_action(sensor):
+        return csr_array(moves @ seen)
+    states, actions = mdp.states, mdp.action_count
+    after = [moves[a::actions] @ seen[a * states : (a + 1) * states] for a in range(actions)]
+    by_state = np.arange(states * actions).reshape(actions, states).T.ravel()
+    return csr_array(vstack(after, format="csr"))[by_state]
