@@ -24,18 +24,22 @@ _SHARE = 0.99  # how far to go towards the boundary
 _UNUSED = 1e-9  # inputs with less are left out of the next working set
 
 
-def best_inputs(channel: "Channel", tolerance: float) -> tuple[Inputs, Bounds]:
+def best_inputs(
+    channel: "Channel", tolerance: float, price: Inputs | None = None
+) -> tuple[Inputs, Bounds]:
     """Inputs that attain the capacity to within `tolerance` nats, if rounding permits.
 
     Args:
         channel: float64[n, m], every output possible; dense or sparse.
         tolerance: the gap to stop at, in nats.
+        price: float64[n], nats that each input costs, of which the least is 0: what is maximised,
+            and certified, is the information less the mean price (Blahut 1972, theorem 10).
 
     Returns:
         float64[n] and the certificate over all n inputs; the best found if its gap is larger.
     """
     rows, columns = shape_of(channel)
-    entropy = neg_entropies(channel)
+    entropy = neg_entropies(channel) - (0 if price is None else price)
     inputs, chosen = _first_inputs(channel, entropy)
     best, certificate = inputs, bounds(channel, entropy, inputs)
     sought = tolerance / 2

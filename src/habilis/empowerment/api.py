@@ -16,7 +16,8 @@ from habilis.empowerment.arguments import (
     whole_number,
 )
 from habilis.empowerment.availability import with_nowhere
-from habilis.empowerment.combined import combined_with_gaps
+from habilis.empowerment.budget import is_budgeted, within_budget
+from habilis.empowerment.combined import combined_with_gaps, terms_of
 from habilis.empowerment.initial_beliefs import are_beliefs, with_beliefs
 from habilis.empowerment.limits import Progress
 from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
@@ -38,6 +39,7 @@ States = ArrayLike | Placement | Sequence[Any]
 """Indices, bool[S] or, of a world, placements; of a model, its states."""
 
 Bits = Float64[np.ndarray, "n"]
+Curves = Float64[np.ndarray, "n *budgets"]
 
 _EXACT = Exact()
 
@@ -58,6 +60,8 @@ def empowerment(
     actions: ArrayLike | None = ...,
     states: States | None = ...,
     *,
+    cost: ArrayLike | None = ...,
+    budget: Any = ...,
     return_gap: Literal[False] = ...,
     **options: Unpack[Options],
 ) -> Bits: ...
@@ -71,6 +75,8 @@ def empowerment(
     actions: ArrayLike | None = ...,
     states: States | None = ...,
     *,
+    cost: ArrayLike | None = ...,
+    budget: Any = ...,
     return_gap: Literal[True],
     **options: Unpack[Options],
 ) -> tuple[Bits, Bits]: ...
@@ -84,11 +90,13 @@ def empowerment(
     actions: ArrayLike | None = None,
     states: States | None = None,
     *,
+    cost: ArrayLike | None = None,
+    budget: Any = None,
     method: Method = _EXACT,
     return_gap: bool = False,
     unit: Unit = "bits",
     show_progress: bool = False,
-) -> Bits | tuple[Bits, Bits]:
+) -> Curves | tuple[Curves, Curves]:
     """The h-step empowerment of states, in bits.
 
     The capacity of the channel from sequences of h actions, chosen without looking in between
@@ -129,6 +137,9 @@ def empowerment(
             over states: the agent does not know where it is, and the channel is the mean of those
             of the states. (The mean of their capacities is another number, never less: that of an
             agent that knows.)
+        cost, budget: float[S, A], 0 or more, what each action costs in each state, and what a
+            sequence may cost in the mean: the capacity subject to that (Blahut 1972). Several
+            budgets, in a sequence, give the curve: float64[n, budgets].
         method: `Exact` or `Sampled`, with their settings, such as `Exact(max_seconds=60)`; what it
             may cost, and the gap to reach, are those of each sensor.
         return_gap: whether to return the certificate too.
@@ -163,6 +174,10 @@ def empowerment(
     else:
         mdp, states = _around(model, horizon, sensor, states, show_progress)
     used = chosen_actions(mdp, actions)
+    if is_budgeted(cost, budget):
+        some = mdp, horizon, sensor, used, states, cost, budget, method, scale
+        bits, gap = _budgeted(*some)
+        return (bits, gap) if return_gap else bits
     if are_beliefs(states):
         return _from_beliefs(
             *(mdp, horizon, sensor, used, states),
@@ -181,6 +196,34 @@ def empowerment(
 
     bits, gap = combined_with_gaps(mdp, sensor, through)
     return (bits, gap) if return_gap else bits
+
+
+def _budgeted(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    actions: Int64[np.ndarray, "A"],
+    states: Any,
+    cost: ArrayLike | None,
+    budget: Any,
+    method: Method,
+    scale: float,
+) -> tuple[Curves, Curves]:
+    """Empowerment within a budget, of one sensor, exactly."""
+    if not isinstance(method, Exact):
+        raise ValueError("a budget needs every sequence; use method=hb.Exact()")
+    if len(terms_of(mdp, sensor)) > 1 or len(terms_of(mdp, sensor)[0]) > 1:
+        raise ValueError(f"sensor is {sensor!r}, several; with a budget give one alone")
+    if are_beliefs(states):
+        raise ValueError("states are distributions; with a budget give states")
+    tolerance = method.tolerance / scale
+    bits, gap = within_budget(
+        *(mdp, horizon, sensor, actions, chosen_states(mdp, states)),
+        *(cost, budget, tolerance, method.limits),
+    )
+    if (gap > tolerance).any():
+        warn_of_gap(float(gap.max()), tolerance)
+    return bits * scale, gap * scale
 
 
 def _from_beliefs(
