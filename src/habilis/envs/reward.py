@@ -24,7 +24,7 @@ from habilis.envs.tabulated_states import (
 )
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
-from habilis.rewards.cached_tables import kept_empowerment
+from habilis.rewards.measures import measured
 from habilis.rewards.shaping import Bonus, regularised
 
 _EXACT = Exact()
@@ -88,7 +88,9 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         Args:
             env: an environment, or a vector environment.
             horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`; sums and
-                products of several sensors, as "object:can + object:ball", are sensors too.
+                products of several sensors, as "object:can + object:ball", are sensors too, and so
+                are other kinds of empowerment: "goal-directed:object", "closed-loop:object", and
+                "effective:object" with horizon 0, under the uniform policy with `discount`.
             beta: its weight, in reward a bit; it must be given.
             method: how M is found, as in `habilis.empowerment`.
             beta_schedule: "constant", "linear" or "exponential".
@@ -122,7 +124,7 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         weight = _given(beta)
         bonus = Bonus(weight, beta_schedule, beta_steps, earned, terminal_bonus, extrinsic)
         self._numbers = bonus.numbers(discount)
-        measure = partial(_measured, horizon, sensor, actions, method)
+        measure = partial(_measured, horizon, sensor, discount, actions, method)
         self._states = tabulated_states(env, measure, max_states, Identity(None, ignore, state))
         self._position, self._taken = Position(env, self._states), 0
 
@@ -187,7 +189,7 @@ class VectorEmpowermentReward(VectorWrapper):
             if name not in known:
                 raise TypeError(f"setting {name!r} is unknown; use some of {', '.join(known)}")
         self._numbers = Bonus(beta=_given(beta), **settings).numbers(discount)
-        measure = partial(_measured, horizon, sensor, actions, method)
+        measure = partial(_measured, horizon, sensor, discount, actions, method)
         identity = Identity(None, ignore, state)
         self._states = _states_of(env.unwrapped, measure, max_states, identity)
         self._mode = env.metadata.get("autoreset_mode", AutoresetMode.NEXT_STEP)
@@ -312,9 +314,14 @@ def _states_of(
 
 @no_type_check  # environments contain it, and what the tests' checks put around it cannot be copied
 def _measured(
-    horizon: int, sensor: Sensor, actions: ArrayLike | None, method: Method, mdp: TabularMDP
+    horizon: int,
+    sensor: Sensor,
+    discount: float,
+    actions: ArrayLike | None,
+    method: Method,
+    mdp: TabularMDP,
 ) -> Float64[np.ndarray, "S"]:
-    return kept_empowerment(mdp, horizon, sensor, actions, method=method)
+    return measured(mdp, horizon, sensor, discount, actions, method)
 
 
 def _given(beta: float | None) -> float:

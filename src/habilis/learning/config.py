@@ -9,6 +9,7 @@ from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.algorithms.protocol import Algorithm
 from habilis.mdp import TabularMDP
 from habilis.reprs import settings, unfailing
+from habilis.rewards.measures import Named
 from habilis.rewards.shaping import Bonus
 
 DEFAULT = "a2c"
@@ -61,7 +62,8 @@ class Config:
     intrinsic: str = setting(
         NO_INTRINSIC,
         'intrinsic reward: the empowerment through "state" or a factor\'s name, or sums '
-        'and products of several, as "object:can + object:can2"; "count", 1 / sqrt(visits of the '
+        'and products of several, as "object:can + object:can2"; of another kind as '
+        '"effective:object", "goal-directed:object"; "count", 1 / sqrt(visits of the '
         'state); "rnd", random network distillation; or "none"',
     )
     horizon: int = setting(0, "horizon of that empowerment, in actions")
@@ -145,7 +147,14 @@ class Config:
                 f"horizon is {self.horizon} and intrinsic {self.intrinsic!r}, which has none; give "
                 "the sensor of an empowerment as intrinsic, or leave out the horizon"
             )
-        if self.regularised and self.intrinsic not in NOVELTIES and self.horizon < 1:
+        measured = self.regularised and self.intrinsic not in NOVELTIES
+        if measured and not Named.of(self.intrinsic).has_horizon:
+            if self.horizon:
+                raise ValueError(
+                    f"horizon is {self.horizon} and intrinsic {self.intrinsic!r}, which has none; "
+                    "leave out the horizon"
+                )
+        elif measured and self.horizon < 1:
             raise ValueError(
                 f"intrinsic is {self.intrinsic!r} and horizon 0, so it is 0 everywhere; give a "
                 "horizon of at least 1"

@@ -10,12 +10,13 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from habilis.empowerment import empowerment
 from habilis.empowerment.combined import check_names
+from habilis.empowerment.kinds import OPEN_LOOP
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
 from habilis.learning.dynamics import Dynamics
 from habilis.learning.networks import Inputs, Network
 from habilis.learning.rollout import Hyperparams
 from habilis.mdp import TabularMDP
-from habilis.rewards.cached_tables import kept_empowerment
+from habilis.rewards.measures import Named, measured
 from habilis.rewards.shaping import regularised
 
 _FEATURES, _WIDTH = 16, 32  # of the networks that are distilled
@@ -46,8 +47,9 @@ def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
     """
     if config.intrinsic in (NO_INTRINSIC, *NOVELTIES):
         return np.zeros(mdp.states)
-    measure = kept_empowerment if mdp.is_stochastic else empowerment
-    return measure(mdp, config.horizon, config.intrinsic)
+    if Named.of(config.intrinsic).kind == OPEN_LOOP and not mdp.is_stochastic:
+        return empowerment(mdp, config.horizon, config.intrinsic)
+    return measured(mdp, config.horizon, config.intrinsic, config.algorithm.discount)
 
 
 def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:
@@ -58,7 +60,7 @@ def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:
     """
     others = NO_INTRINSIC, *NOVELTIES
     if intrinsic not in others:
-        check_names(mdp, intrinsic, "intrinsic", others)
+        check_names(mdp, str(Named.of(intrinsic).sensor), "intrinsic", others)
 
 
 def weights(config: Config) -> dict[str, float]:

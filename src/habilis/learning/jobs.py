@@ -88,7 +88,9 @@ class Job:
         best = best_return(world, conditions, config.episode_limit)
         close = margin(world, conditions, config.episode_limit)
         records = [Record(config, best, ledger, close) for _ in numbers]
-        table = _values(world, conditions, config.intrinsic, config.horizon)
+        table = _values(
+            world, conditions, config.intrinsic, config.horizon, config.algorithm.discount
+        )
         return cls(index, config, world, mdp, best, table, numbers, records, {})
 
     @property
@@ -176,10 +178,11 @@ def _task(
 
 @lru_cache(KEPT)
 def _values(
-    world: Source, conditions: Conditions, intrinsic_reward: str, horizon: int
+    world: Source, conditions: Conditions, intrinsic_reward: str, horizon: int, discount: float
 ) -> Float[np.ndarray, "S"]:
     weight = float(intrinsic_reward != NO_INTRINSIC)
     config = Config(intrinsic=intrinsic_reward, horizon=horizon, beta=weight)
+    config = config.changed(discount=discount)
     table = intrinsic.value_table(training_problem(world, conditions).mdp, config)
     table.flags.writeable = False
     return table
