@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 States = ArrayLike | Placement | Sequence[Any]
 """Indices, bool[S] or, of a world, placements; of a model, its states."""
 
+SensorAt = Literal["end", "each step"]
+
 Bits = Float64[np.ndarray, "n"]
 Curves = Float64[np.ndarray, "n *budgets"]
 
@@ -60,6 +62,7 @@ def empowerment(
     actions: ArrayLike | None = ...,
     states: States | None = ...,
     *,
+    sensor_at: SensorAt = ...,
     cost: ArrayLike | None = ...,
     budget: Any = ...,
     return_gap: Literal[False] = ...,
@@ -75,6 +78,7 @@ def empowerment(
     actions: ArrayLike | None = ...,
     states: States | None = ...,
     *,
+    sensor_at: SensorAt = ...,
     cost: ArrayLike | None = ...,
     budget: Any = ...,
     return_gap: Literal[True],
@@ -90,6 +94,7 @@ def empowerment(
     actions: ArrayLike | None = None,
     states: States | None = None,
     *,
+    sensor_at: SensorAt = "end",
     cost: ArrayLike | None = None,
     budget: Any = None,
     method: Method = _EXACT,
@@ -137,6 +142,9 @@ def empowerment(
             over states: the agent does not know where it is, and the channel is the mean of those
             of the states. (The mean of their capacities is another number, never less: that of an
             agent that knows.)
+        sensor_at: "end", or "each step": the output is the sequence of observations, one after each
+            action. Without noise they are counted; with noise the channel is written out, which
+            is for short horizons.
         cost, budget: float[S, A], 0 or more, what each action costs in each state, and what a
             sequence may cost in the mean: the capacity subject to that (Blahut 1972). Several
             budgets, in a sequence, give the curve: float64[n, budgets].
@@ -174,6 +182,12 @@ def empowerment(
     else:
         mdp, states = _around(model, horizon, sensor, states, show_progress)
     used = chosen_actions(mdp, actions)
+    if sensor_at not in ("end", "each step"):
+        raise ValueError(f"sensor_at is {sensor_at!r}; use 'end' or 'each step'")
+    if sensor_at == "each step":
+        single = mdp, sensor, states, method, cost
+        bits, gap = _of_trajectories(*single, horizon, used, scale)
+        return (bits, gap) if return_gap else bits
     if is_budgeted(cost, budget):
         some = mdp, horizon, sensor, used, states, cost, budget, method, scale
         bits, gap = _budgeted(*some)
@@ -198,6 +212,38 @@ def empowerment(
     return (bits, gap) if return_gap else bits
 
 
+def _of_trajectories(
+    mdp: TabularMDP,
+    sensor: Sensor,
+    states: Any,
+    method: Method,
+    cost: ArrayLike | None,
+    horizon: int,
+    actions: Int64[np.ndarray, "A"],
+    scale: float,
+) -> tuple[Bits, Bits]:
+    """Empowerment over the observations of every step."""
+    from habilis.empowerment.each_step import of_trajectories
+
+    if not isinstance(method, Exact) or cost is not None or are_beliefs(states):
+        raise ValueError(
+            "sensor_at is 'each step', which goes with method=hb.Exact() and states alone; leave "
+            "out budgets and distributions"
+        )
+    _check_single(mdp, sensor, "the observations of each step")
+    tolerance, starts = method.tolerance / scale, chosen_states(mdp, states)
+    bits, gap = of_trajectories(mdp, horizon, sensor, actions, starts, tolerance, method.limits)
+    if (gap > tolerance).any():
+        warn_of_gap(float(gap.max()), tolerance)
+    return bits * scale, gap * scale
+
+
+def _check_single(mdp: TabularMDP, sensor: Sensor, what: str) -> None:
+    terms = terms_of(mdp, sensor)
+    if len(terms) > 1 or len(terms[0]) > 1:
+        raise ValueError(f"sensor is {sensor!r}, several; with {what} give one alone")
+
+
 def _budgeted(
     mdp: TabularMDP,
     horizon: int,
@@ -212,8 +258,7 @@ def _budgeted(
     """Empowerment within a budget, of one sensor, exactly."""
     if not isinstance(method, Exact):
         raise ValueError("a budget needs every sequence; use method=hb.Exact()")
-    if len(terms_of(mdp, sensor)) > 1 or len(terms_of(mdp, sensor)[0]) > 1:
-        raise ValueError(f"sensor is {sensor!r}, several; with a budget give one alone")
+    _check_single(mdp, sensor, "a budget")
     if are_beliefs(states):
         raise ValueError("states are distributions; with a budget give states")
     tolerance = method.tolerance / scale
