@@ -77,7 +77,7 @@ def test_where_boxes_run_out_the_gap_says_so():
     P, W = random_model(8, states=4, observations=4)
     mdp = hb.TabularMDP.stochastic(P, axes="SAS")
     with pytest.warns(hb.ConvergenceWarning):
-        bits, gap = hb.closed_loop_empowerment(mdp, 3, W, [0], True, max_boxes=1)
+        bits, gap = hb.closed_loop_empowerment(mdp, 3, W, [0], return_gap=True, max_boxes=1)
     assert bits[0] <= capacity_over_all_policies(P, W, 0, 3) <= bits[0] + gap[0] + 1e-9
 
 

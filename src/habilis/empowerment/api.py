@@ -193,11 +193,8 @@ def empowerment(
         bits, gap = _budgeted(*some)
         return (bits, gap) if return_gap else bits
     if are_beliefs(states):
-        return _from_beliefs(
-            *(mdp, horizon, sensor, used, states),
-            **{"method": method, "return_gap": return_gap, "unit": unit},
-            show_progress=show_progress,
-        )
+        options: Options = {"method": method, "unit": unit, "show_progress": show_progress}
+        return _from_beliefs(mdp, horizon, sensor, used, states, return_gap, options)
     starts = chosen_states(mdp, states)
 
     def through(one: Sensor) -> tuple[Bits, Bits]:
@@ -278,7 +275,7 @@ def _from_beliefs(
     actions: Int64[np.ndarray, "A"],
     beliefs: Any,
     return_gap: bool,
-    **options: Unpack[Options],
+    options: Options,
 ) -> Bits | tuple[Bits, Bits]:
     """Empowerment where the agent only has a distribution over states."""
 

@@ -40,6 +40,7 @@ from habilis.empowerment.arguments import (
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
+from habilis.probabilities import shape_of
 from habilis.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -123,8 +124,8 @@ def closed_loop_empowerment(
     horizon: int,
     sensor: Sensor = ...,
     states: Any = ...,
-    return_gap: bool = ...,
     *,
+    return_gap: Literal[True],
     actions: ArrayLike | None = ...,
     tolerance: float = ...,
     max_boxes: int = ...,
@@ -362,14 +363,14 @@ def _program(steps: _Steps) -> Callable[[Row, Row, Row], tuple[float, Row] | Non
         if step:
             line[step - 1] = -steps.moves[step - 1].T
         blocks.append(line)
-    outputs = steps.moves[-1].shape[1]
+    outputs = shape_of(steps.moves[-1])[1]
     last: list[Any] = [None] * (len(steps.owner) + 1)
     last[-2], last[-1] = -steps.moves[-1].T, eye_array(outputs)
     blocks.append(last)
     equal = csr_array(block_array(blocks, format="csr"))
-    right = np.zeros(equal.shape[0])
+    right = np.zeros(shape_of(equal)[0])
     right[0] = 1
-    inner = equal.shape[1] - outputs
+    inner = shape_of(equal)[1] - outputs
 
     def solve(payoff: Row, low: Row, high: Row) -> tuple[float, Row] | None:
         cost = np.concatenate([np.zeros(inner), -payoff])

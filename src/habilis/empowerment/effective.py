@@ -26,7 +26,7 @@ from habilis.empowerment.arguments import Unit, chosen_states, per_bit, positive
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.mdp import TabularMDP
-from habilis.probabilities import as_array, row_stochastic
+from habilis.probabilities import as_array, row_stochastic, shape_of
 from habilis.processors import processors
 
 if TYPE_CHECKING:
@@ -152,7 +152,7 @@ def effective_empowerment(
     tolerance = positive("tolerance", tolerance) / scale
     starts, chosen = chosen_states(mdp, states), checked_policy(mdp, policy)
     channel = _channel_of(mdp, chosen, sensor, float(discount), first_step)
-    outputs = channel.seen.shape[1]
+    outputs = shape_of(channel.seen)[1]
     distance = _distance_of(tolerance / 2, outputs)
     if maximise:
         bits, gap = _capacities(channel, mdp.available, starts, distance, tolerance)
@@ -249,8 +249,9 @@ def _distance_of(bits: float, outputs: int) -> float:
 
 def _discounted(channel: _Channel, columns: slice, distance: float) -> Float64[np.ndarray, "S O"]:
     """The part of N for some observations, to within a total variation distance."""
-    under = channel.choice @ channel.moves
-    emitted = np.asarray((channel.choice @ channel.seen)[:, columns].toarray())
+    under: Any = channel.choice @ channel.moves
+    mean: Any = channel.choice @ channel.seen
+    emitted = np.asarray(mean[:, columns].toarray())
     found, g = emitted, channel.discount
     if g > 0:
         # From E, which like N has rows that are distributions: the distance is at most 1 before.
@@ -316,7 +317,7 @@ def _informations(
     """I(A; O) with the action drawn from the policy: a sum over observations, some at a time."""
     from habilis.empowerment.tabular.policies import add_information
 
-    states, outputs = channel.at_once.shape
+    states, outputs = shape_of(channel.at_once)
     width = max(_BLOCK // states, 1)
     nats = np.zeros(len(starts))
     for first in range(0, outputs, width):
@@ -337,7 +338,7 @@ def _capacities(
     from habilis.channels.capacity_solver import best_inputs
     from habilis.empowerment.tabular.policies import add_capacity, channel_row
 
-    outputs = channel.at_once.shape[1]
+    outputs = shape_of(channel.at_once)[1]
     given = _arguments(
         channel, _discounted(channel, slice(0, outputs), distance), slice(0, outputs)
     )
@@ -350,7 +351,8 @@ def _capacities(
         usable = np.flatnonzero(available[starts[place]])
         rows = np.zeros((len(usable), outputs))
         for row, action in zip(rows, usable.tolist(), strict=True):
-            channel_row(*given, int(starts[place]), action, available.shape[1], row)
+            arguments: Any = (*given, int(starts[place]), action, available.shape[1], row)
+            channel_row(*arguments)
         rows = np.ascontiguousarray(rows[:, rows.any(axis=0)])
         _, found = best_inputs(rows, sought)
         if found.gap < upper[place] - lower[place]:

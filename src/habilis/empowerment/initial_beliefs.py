@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from habilis.empowerment.one_step import moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, is_noisy, observations
 from habilis.mdp import TabularMDP
-from habilis.probabilities import as_array, is_sparse, row_stochastic
+from habilis.probabilities import as_array, is_sparse, row_stochastic, shape_of
 
 
 def are_beliefs(states: Any) -> bool:
@@ -53,9 +53,10 @@ def with_beliefs(
             f"the {mdp.states} states"
         )
     rows = row_stochastic("states", given, "belief {}", "beliefs")
-    count, actions = rows.shape[0], mdp.action_count
+    count, actions = shape_of(rows)[0], mdp.action_count
     moves, missing = moves_of(mdp), csr_array(~mdp.available, dtype=np.float64)
-    possible = (rows @ missing).toarray() == 0  # [n, A], in every state that is held possible
+    lacking: Any = rows @ missing
+    possible = lacking.toarray() == 0  # [n, A], in every state that is held possible
     mixed = [rows @ moves[action::actions] for action in range(actions)]
     order = np.arange(count * actions).reshape(actions, count).T.ravel()
     added = csr_array(vstack(mixed, format="csr"))[order]
@@ -88,5 +89,5 @@ def _for_more_states(mdp: TabularMDP, sensor: Sensor, count: int) -> Any:
     if is_by_action(sensor):
         given = np.asarray(sensor, np.float64)
         return np.concatenate([given, np.repeat(given[:, :1], count, axis=1)], axis=1)
-    given = sensor if is_sparse(sensor) else csr_array(np.asarray(sensor, np.float64))
+    given: Any = sensor if is_sparse(sensor) else csr_array(np.asarray(sensor, np.float64))
     return csr_array(vstack([given, *[given[:1]] * count], format="csr"))
