@@ -74,6 +74,12 @@ def test_where_the_goal_cannot_be_reached_there_are_no_bits():
     assert hb.goal_directed_empowerment(mdp, 2, [2], slack=9)[0] == 0
 
 
+def test_a_goal_that_no_other_state_reaches_leaves_none_of_them_any_bits():
+    table = [[1, 5], [4, 4], [4, 4], [0, 5], [1, 5], [5, 1]]
+    mdp = hb.TabularMDP.deterministic(table)
+    assert hb.goal_directed_empowerment(mdp, 2, [3], slack=2).tolist() == [0] * 6
+
+
 def test_the_default_goal_is_the_terminal_states():
     world = hb.load_world("yard")
     mdp = hb.tabulate(world)

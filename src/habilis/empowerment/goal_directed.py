@@ -22,7 +22,7 @@ from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
 
 _EXACT = Exact()
-_FAR = np.iinfo(np.int64).max // 4
+_FAR = 2**40  # a distance that no table has, and that floats hold exactly
 
 
 def goal_directed_empowerment(
