@@ -35,18 +35,16 @@ def config(bonus: str) -> hb.Config:
 
 
 def rows(bonus: str, run: Run) -> pl.DataFrame:
-    """One row a run: its first success, when it comes near to the goal's return, and converges."""
+    """One row a run: when its mean return comes near to the best one, and when it converges."""
     found = []
-    limit = run.config.episode_limit
     for number, episodes in sorted(run.episodes.group_by("run"), key=lambda pair: pair[0]):
         returns = episodes.sort("episode")["return"].to_numpy()
         mean = np.convolve(returns, np.full(100, 0.01), "valid")
-        first, near = np.flatnonzero(returns > -limit), np.flatnonzero(mean >= NEAR)
+        near = np.flatnonzero(mean >= NEAR)
         found.append(
             {
                 "bonus": bonus,
                 "run": number[0],
-                "first_success": int(first[0]) if len(first) else None,
                 "near": int(near[0]) if len(near) else None,
                 "converged_at": run.converged_at[int(str(number[0]))],
             }
@@ -60,7 +58,7 @@ def as_table(results: pl.DataFrame) -> str:
     for bonus in BONUSES:
         some = results.filter(pl.col("bonus") == bonus)
         cells = [bonus]
-        for column in ("first_success", "near", "converged_at"):
+        for column in ("near", "converged_at"):
             values = [np.inf if one is None else one for one in some[column]]
             middle = float(np.median(values))
             cells.append(f"{middle:,.0f}" if np.isfinite(middle) else "–")
