@@ -173,8 +173,8 @@ def capacity_within(
         tolerance: the gap to stop at.
 
     Example:
-        >>> bits, gap = capacity_within(np.eye(2), np.array([0.0, 1.0]), 0.11, 1e-9)
-        >>> round(bits / np.log(2), 3)  # the entropy of 0.11
+        >>> nats, gap = capacity_within(np.eye(2), np.array([0.0, 1.0]), 0.11, 1e-9)
+        >>> round(float(nats / np.log(2)), 3)  # the entropy of 0.11
         0.5
     """
     from habilis.channels.capacity_solver import best_inputs

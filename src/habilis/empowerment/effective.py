@@ -141,10 +141,10 @@ def effective_empowerment(
 
     Example:
         >>> ring = TabularMDP.deterministic([[(s - 1) % 9, (s + 1) % 9] for s in range(9)])
-        >>> effective_empowerment(ring, "uniform", discount=0.0)[0].round(3)
-        1.0
-        >>> effective_empowerment(ring, "uniform", discount=0.9)[0].round(3)
-        0.071
+        >>> effective_empowerment(ring, "uniform", discount=0.0, states=[0])
+        array([1.])
+        >>> effective_empowerment(ring, "uniform", discount=0.9, states=[0]).round(3)
+        array([0.071])
     """
     if not is_number(discount) or not 0 <= discount < 1:
         raise ValueError(f"discount is {discount!r}; give a number from 0 up to but not 1")

@@ -20,15 +20,11 @@ from habilis.probabilities import as_array, is_sparse, row_stochastic, shape_of
 
 def are_beliefs(states: Any) -> bool:
     """Whether states are given as distributions over all of them, float[n, S]."""
-    if states is None or isinstance(states, dict | str):
-        return False
     if is_sparse(states):
         return True
-    try:
-        given = np.asarray(states)
-    except ValueError:  # ragged: a model's own states
-        return False
-    return given.ndim == 2 and given.dtype.kind == "f"
+    if isinstance(states, list):
+        return bool(states) and all(isinstance(one, list | np.ndarray) for one in states)
+    return getattr(states, "ndim", 0) == 2 and np.dtype(states.dtype).kind == "f"
 
 
 def with_beliefs(
