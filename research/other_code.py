@@ -66,7 +66,8 @@ def rank_correlation(first: Any, second: Any) -> float | None:
 
     if np.size(first) < 10 or np.ptp(first) == 0 or np.ptp(second) == 0:
         return None
-    return float(spearmanr(np.ravel(first), np.ravel(second)).statistic)
+    found: Any = spearmanr(np.ravel(first), np.ravel(second))
+    return float(found.statistic)
 
 
 def timed(call: Callable[[], Any]) -> tuple[Any, float]:
@@ -204,7 +205,7 @@ def as_table(results: pl.DataFrame) -> str:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
     for name in ("empowerment", "cem", "ave"):
         parser.add_argument(f"--{name}", type=Path, required=True, metavar="CLONE")
     given = parser.parse_args(arguments)

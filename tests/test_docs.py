@@ -222,7 +222,7 @@ def test_search_works_on_pages_that_were_opened_from_a_disk(site):
         page.locator("[data-md-component=search-query]").fill("persistence")
         results = page.locator(".md-search-result__link")
         results.first.wait_for()
-        assert any("pairs.html" in one.get_attribute("href") for one in results.all())
+        assert any("pairs.html" in str(one.get_attribute("href")) for one in results.all())
         browser.close()
 
 

@@ -20,7 +20,7 @@ from habilis.learning.config import Config
 from habilis.learning.dynamics import make_dynamics
 from habilis.learning.episodes import Ledger
 from habilis.mdp import TabularMDP
-from habilis.studio import scene_steps
+from habilis.studio import scene_steps, scenes
 from habilis.studio.protocol.scenes import Placement
 from habilis.studio.scenes import Scene
 from habilis.transitions import Transitions
@@ -192,14 +192,14 @@ def test_an_episode_that_is_played_earns_the_rewards_of_its_table(tmp_path, monk
 
 
 def test_the_studio_earns_the_rewards_of_its_table(monkeypatch):
-    reachable = scene_steps.reachable
+    reachable = scenes.reachable
 
     def with_own_rewards(*arguments):
         mdp, states = reachable(*arguments)
         own = np.arange(mdp.reward.size, dtype=np.float32).reshape(mdp.reward.shape)
         return replace(mdp, reward=own), states
 
-    monkeypatch.setattr(scene_steps, "reachable", with_own_rewards)
+    monkeypatch.setattr(scenes, "reachable", with_own_rewards)
     random.seed(0)
     world = hb.World.parse(FAILS)
     cells = ((0, 1), (0, 2), (0, 3))

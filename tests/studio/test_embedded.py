@@ -5,6 +5,7 @@ import subprocess
 import sys
 from html import unescape
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
@@ -114,17 +115,19 @@ def test_an_edit_that_the_page_could_not_have_made_is_an_error(
 
 @pytest.mark.ill_typed
 def test_wrong_arguments_are_named(notebook):
-    for height in (0, "640", 1.5, True):
+    wrong: tuple[Any, ...] = (0, "640", 1.5, True)
+    for height in wrong:
         with pytest.raises(ValueError, match=f"height is {height!r}; give a whole number"):
             hb.open_studio(height=height)
-    for given, problem in (
+    settings: tuple[tuple[dict[str, Any], str], ...] = (
         ({"base_path": None}, "base path is None; give the path"),
         ({"trusted_origin": 5}, "trusted origin is 5; give scheme"),
-    ):
+    )
+    for given, problem in settings:
         with pytest.raises(ValueError, match=problem):
             hb.open_studio(**given)
     with pytest.raises(ValueError, match="world is 5; give a built-in world's name"):
-        hb.open_studio(5)
+        hb.open_studio(5)  # pyright: ignore[reportArgumentType]
     with pytest.raises(ValueError, match="world is 'corridor'; give a World"):
         notebook.world = "corridor"
     with pytest.raises(ValueError, match="base path is 'x'"):

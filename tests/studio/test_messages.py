@@ -15,6 +15,7 @@ import habilis as hb
 from habilis.studio.limits import CLIENTS, MESSAGE
 from habilis.studio.messages import MessageError, kind_of, read
 from habilis.studio.protocol.requests import Request, Settings, Train
+from habilis.studio.scenes import Scene
 from habilis.studio.training_jobs import Trainings
 from studio import page, scene, studio
 
@@ -188,7 +189,7 @@ def test_whatever_the_settings_of_a_training_are_they_are_taken_or_one_line_of_e
         try:
             request, asked = read(json.dumps(message), TOOLS)
             assert isinstance(request, Train)
-            assert asked is not None
+            assert isinstance(asked, Scene)
             with Trainings(Path(folder)).one(asked, request.settings):
                 pass
         except ValueError as error:

@@ -1,6 +1,7 @@
 """Only pages that the studio served itself may use it."""
 
 import asyncio
+from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
@@ -217,7 +218,8 @@ def test_an_address_with_many_fields_is_answered_without_a_fault():
             "query_string": b"&".join([b"a=1"] * 30),
             "headers": [(b"host", b"127.0.0.1:1")],
         }
-        await Guard(served, access, ("/assets/",))(scope, send, send)
+        receive: Any = send
+        await Guard(served, access, ("/assets/",))(scope, receive, send)
         return sent[0]["status"]
 
     access = Access.of("127.0.0.1", 1, framed=True)
