@@ -61,6 +61,13 @@ def test_on_a_ring_that_looks_alike_not_knowing_costs_everything():
     assert hb.empowerment(ring, 1, states=[0])[0] == 1
 
 
+def test_lists_of_probabilities_are_distributions_and_those_of_indices_are_not():
+    mdp = hb.TabularMDP.deterministic([[0, 1], [1, 0]])
+    assert hb.empowerment(mdp, 1, states=[[1.0, 0.0]]).tolist() == [1]
+    with pytest.raises(ValueError, match="give state indices, or one bool a state"):
+        hb.empowerment(mdp, 1, states=[[1, 0]])
+
+
 def test_an_action_is_available_where_it_is_in_every_state_that_is_possible():
     mdp = hb.TabularMDP.deterministic([[0, 1], [1, -1]])
     assert hb.empowerment(mdp, 1, states=np.array([[0.5, 0.5], [1.0, 0.0]])).tolist() == [0, 1]

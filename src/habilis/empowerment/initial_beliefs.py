@@ -23,7 +23,10 @@ def are_beliefs(states: Any) -> bool:
     if is_sparse(states):
         return True
     if isinstance(states, list):
-        return bool(states) and all(isinstance(one, list | np.ndarray) for one in states)
+        return bool(states) and all(
+            isinstance(one, list | np.ndarray) and any(isinstance(p, float) for p in one)
+            for one in states
+        )
     return getattr(states, "ndim", 0) == 2 and np.dtype(states.dtype).kind == "f"
 
 
