@@ -184,11 +184,13 @@ def empowerment(
     used = chosen_actions(mdp, actions)
     if sensor_at not in ("end", "each step"):
         raise ValueError(f"sensor_at is {sensor_at!r}; use 'end' or 'each step'")
+    budgeted = is_budgeted(cost, budget)
     if sensor_at == "each step":
-        single = mdp, sensor, states, method, cost
-        bits, gap = _of_trajectories(*single, horizon, used, scale)
+        if budgeted:
+            raise ValueError("sensor_at is 'each step', which has no budget; leave out cost")
+        bits, gap = _of_trajectories(mdp, horizon, sensor, used, states, method, scale)
         return (bits, gap) if return_gap else bits
-    if is_budgeted(cost, budget):
+    if budgeted:
         some = mdp, horizon, sensor, used, states, cost, budget, method, scale
         bits, gap = _budgeted(*some)
         return (bits, gap) if return_gap else bits
@@ -211,21 +213,20 @@ def empowerment(
 
 def _of_trajectories(
     mdp: TabularMDP,
+    horizon: int,
     sensor: Sensor,
+    actions: Int64[np.ndarray, "A"],
     states: Any,
     method: Method,
-    cost: ArrayLike | None,
-    horizon: int,
-    actions: Int64[np.ndarray, "A"],
     scale: float,
 ) -> tuple[Bits, Bits]:
     """Empowerment over the observations of every step."""
     from habilis.empowerment.each_step import of_trajectories
 
-    if not isinstance(method, Exact) or cost is not None or are_beliefs(states):
+    if not isinstance(method, Exact) or are_beliefs(states):
         raise ValueError(
-            "sensor_at is 'each step', which goes with method=hb.Exact() and states alone; leave "
-            "out budgets and distributions"
+            "sensor_at is 'each step', which goes with method=hb.Exact() and with states, not with "
+            "distributions over them"
         )
     _check_single(mdp, sensor, "the observations of each step")
     tolerance, starts = method.tolerance / scale, chosen_states(mdp, states)
