@@ -44,6 +44,19 @@ class Bounds:
         return max(self.upper - self.lower, 0.0)
 
 
+def information_error(distance: float, outputs: int) -> float:
+    """By how many bits an information changes if each row of its channel does, at most.
+
+    Both of its entropies change by at most `T log2(O - 1) + H(T)`, T the total variation distance
+    (Fannes 1973; Audenaert 2007).
+    """
+    t = min(distance, 0.5)
+    if t <= 0:
+        return 0.0
+    binary = -t * np.log2(t) - (1 - t) * np.log2(1 - t)
+    return float(2 * (t * np.log2(max(outputs - 1, 1)) + binary))
+
+
 def neg_entropies(channel: "Channel") -> Inputs:
     """For every input, the sum of P ln P over outputs."""
     if isinstance(channel, np.ndarray):

@@ -17,7 +17,7 @@ from habilis.empowerment.arguments import (
 )
 from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.budget import is_budgeted, within_budget
-from habilis.empowerment.combined import combined_with_gaps, terms_of
+from habilis.empowerment.combined import check_single, combined_with_gaps
 from habilis.empowerment.initial_beliefs import are_beliefs, with_beliefs
 from habilis.empowerment.limits import Progress
 from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
@@ -228,18 +228,12 @@ def _of_trajectories(
             "sensor_at is 'each step', which goes with method=hb.Exact() and with states, not with "
             "distributions over them"
         )
-    _check_single(mdp, sensor, "the observations of each step")
+    check_single(mdp, sensor, "the observations of each step")
     tolerance, starts = method.tolerance / scale, chosen_states(mdp, states)
     bits, gap = of_trajectories(mdp, horizon, sensor, actions, starts, tolerance, method.limits)
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return bits * scale, gap * scale
-
-
-def _check_single(mdp: TabularMDP, sensor: Sensor, what: str) -> None:
-    terms = terms_of(mdp, sensor)
-    if len(terms) > 1 or len(terms[0]) > 1:
-        raise ValueError(f"sensor is {sensor!r}, several; with {what} give one alone")
 
 
 def _budgeted(
@@ -256,7 +250,7 @@ def _budgeted(
     """Empowerment within a budget, of one sensor, exactly."""
     if not isinstance(method, Exact):
         raise ValueError("a budget needs every sequence; use method=hb.Exact()")
-    _check_single(mdp, sensor, "a budget")
+    check_single(mdp, sensor, "a budget")
     if are_beliefs(states):
         raise ValueError("states are distributions; with a budget give states")
     tolerance = method.tolerance / scale

@@ -58,7 +58,7 @@ def within_budget(
             beliefs that take more memory.
     """
     each, budgets = checked_cost(mdp, cost), checked_budgets(budget)
-    seen, moves = last_observations(mdp, sensor), moves_of(mdp)
+    seen, moves = last_observations(mdp, sensor), moves_of(mdp.transitions)
     asked, place = np.unique(states, return_inverse=True)
     bits, gaps = np.zeros((2, len(asked), len(budgets)))
     for number, start in enumerate(asked.tolist()):

@@ -37,6 +37,7 @@ from habilis.empowerment.arguments import (
     positive,
     whole_number,
 )
+from habilis.empowerment.combined import check_single
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
@@ -194,9 +195,8 @@ def closed_loop_empowerment(
     if horizon == 0 or (not mdp.is_stochastic and not is_noisy(sensor)):
         bits = empowerment(mdp, horizon, sensor, used, starts, unit=unit)
         return (bits, np.zeros(len(bits))) if return_gap else bits
-    if isinstance(sensor, str) and any(sign in sensor for sign in "+*"):
-        raise ValueError(f"sensor is {sensor!r}, several; give one alone")
-    moves, seen = moves_of(mdp), last_observations(mdp, sensor)
+    check_single(mdp, sensor)
+    moves, seen = moves_of(mdp.transitions), last_observations(mdp, sensor)
     asked, place = np.unique(starts, return_inverse=True)
     found = np.zeros((len(asked), 2))
     with progress_bar("states", show_progress) as report:

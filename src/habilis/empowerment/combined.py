@@ -41,6 +41,22 @@ def is_combined(mdp: TabularMDP, sensor: Sensor) -> bool:
     return len(terms) > 1 or len(terms[0]) > 1
 
 
+def check_single(mdp: TabularMDP, sensor: Sensor, beside: str = "") -> None:
+    """Refuses a sum or a product of sensors.
+
+    Args:
+        mdp: the table.
+        sensor: as in `empowerment`.
+        beside: what does not go with several, for the message.
+
+    Raises:
+        ValueError: it is one.
+    """
+    if is_combined(mdp, sensor):
+        why = f"with {beside} " if beside else ""
+        raise ValueError(f"sensor is {sensor!r}, several; {why}give one alone")
+
+
 def check_names(
     mdp: TabularMDP, sensor: str, argument: str = "sensor", besides: Sequence[str] = ()
 ) -> None:

@@ -112,7 +112,7 @@ def written_out(
     limits: Limits,
 ) -> Float64[np.ndarray, "K O"]:
     """The channel from sequences of actions to sequences of observations, its distinct rows."""
-    seen, moves = observation_probabilities(mdp, sensor), moves_of(mdp)
+    seen, moves = observation_probabilities(mdp, sensor), moves_of(mdp.transitions)
     by_action = is_by_action(sensor)
     layer, held = np.array([start]), np.ones((1, 1, 1))  # [sequences, histories, states]
     for step in range(horizon):

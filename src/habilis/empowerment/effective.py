@@ -20,9 +20,11 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
+from habilis.channels.bounds import information_error
 from habilis.channels.capacity import warn_of_gap
 from habilis.checks import is_number
 from habilis.empowerment.arguments import Unit, chosen_states, per_bit, positive, whole_number
+from habilis.empowerment.combined import check_single
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.mdp import TabularMDP
@@ -159,7 +161,7 @@ def effective_empowerment(
     else:
         bits = _informations(channel, chosen, starts, distance)
         gap = np.zeros(len(starts))
-    gap = gap + (_entropy_error(distance, outputs) if discount > 0 else 0.0)
+    gap = gap + (information_error(distance, outputs) if discount > 0 else 0.0)
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return (bits * scale, gap * scale) if return_gap else bits * scale
@@ -210,8 +212,7 @@ def _channel_of(
     from scipy.sparse import csr_array
 
     states, actions = policy.shape
-    if isinstance(sensor, str) and any(sign in sensor for sign in "+*"):
-        raise ValueError(f"sensor is {sensor!r}, several; give one alone")
+    check_single(mdp, sensor)
     if not is_by_action(sensor):
         at_once = observation_probabilities(mdp, sensor)
     elif first_step > 0:
@@ -222,20 +223,8 @@ def _channel_of(
         )
     first = np.arange(0, states * actions + 1, actions)
     choice = csr_array((policy.ravel(), np.arange(states * actions), first))
-    moves, seen = moves_of(mdp), last_observations(mdp, sensor)
+    moves, seen = moves_of(mdp.transitions), last_observations(mdp, sensor)
     return _Channel(moves, seen, choice, at_once, discount, first_step)
-
-
-def _entropy_error(distance: float, outputs: int) -> float:
-    """By how many bits I changes if every row changes by a total variation distance.
-
-    Twice the bound of Fannes (1973) and Audenaert (2007) on an entropy.
-    """
-    if distance <= 0:
-        return 0.0
-    t = min(distance, 0.5)
-    binary = -t * np.log2(t) - (1 - t) * np.log2(1 - t)
-    return float(2 * (t * np.log2(max(outputs - 1, 1)) + binary))
 
 
 def _distance_of(bits: float, outputs: int) -> float:
@@ -243,7 +232,7 @@ def _distance_of(bits: float, outputs: int) -> float:
     low, high = 0.0, 0.5
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if _entropy_error(middle, outputs) <= bits else (low, middle)
+        low, high = (middle, high) if information_error(middle, outputs) <= bits else (low, middle)
     return low
 
 

@@ -53,7 +53,7 @@ def with_beliefs(
         )
     rows = row_stochastic("states", given, "belief {}", "beliefs")
     count, actions = shape_of(rows)[0], mdp.action_count
-    moves, missing = moves_of(mdp), csr_array(~mdp.available, dtype=np.float64)
+    moves, missing = moves_of(mdp.transitions), csr_array(~mdp.available, dtype=np.float64)
     lacking: Any = rows @ missing
     possible = lacking.toarray() == 0  # [n, A], in every state that is held possible
     mixed = [rows @ moves[action::actions] for action in range(actions)]
@@ -62,6 +62,7 @@ def with_beliefs(
     added = csr_array(added.multiply(possible.ravel()[:, None]))
     added.eliminate_zeros()
     table = csr_array(vstack([moves, added], format="csr"))
+    table.resize(((mdp.states + count) * actions, mdp.states + count))  # none leads to a belief
     still = np.zeros((count, actions), np.float32)
     larger = replace(
         mdp,

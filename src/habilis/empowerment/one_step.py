@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Integer
 
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.mdp import TabularMDP
@@ -11,24 +12,24 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 
-def moves_of(mdp: TabularMDP) -> "csr_array":
-    """The probabilities of next states, float64[S * A, S], of any table."""
+def moves_of(transitions: "Integer[np.ndarray, 'S A'] | csr_array") -> "csr_array":
+    """The probabilities of next states, float64[S * A, S], of a table's transitions."""
     from scipy.sparse import csr_array
 
-    table = mdp.transitions
-    if not isinstance(table, np.ndarray):
-        return table
-    there = table.ravel() >= 0
+    if not isinstance(transitions, np.ndarray):
+        return transitions
+    there = transitions.ravel() >= 0
     first = np.concatenate([[0], np.cumsum(there)])
-    reached = table.ravel()[there]
-    return csr_array((np.ones(len(reached)), reached, first), (table.size, mdp.states))
+    reached = transitions.ravel()[there]
+    shape = transitions.size, len(transitions)
+    return csr_array((np.ones(len(reached)), reached, first), shape)
 
 
 def last_observations(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
     """The probabilities of what is observed after an action in a state, float64[S * A, O]."""
     from scipy.sparse import csr_array, vstack
 
-    seen, moves = observation_probabilities(mdp, sensor), moves_of(mdp)
+    seen, moves = observation_probabilities(mdp, sensor), moves_of(mdp.transitions)
     if not is_by_action(sensor):
         return csr_array(moves @ seen)
     states, actions = mdp.states, mdp.action_count

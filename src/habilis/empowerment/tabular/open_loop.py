@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
 
+from habilis.channels.bounds import information_error
 from habilis.channels.capacity_solver import best_inputs
+from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.empowerment.tabular.beliefs import (
     SAME,
@@ -55,43 +57,25 @@ def problem_of(
     most_entries: int = 2**62,
 ) -> Problem:
     """A measure's arguments, made ready."""
-    transitions, every = mdp.transitions, mdp.action_count
-    if len(actions) < every:
+    transitions, count = mdp.transitions, len(actions)
+    rows = (np.arange(mdp.states)[:, None] * mdp.action_count + actions).ravel()
+    if count < mdp.action_count:
         if isinstance(transitions, np.ndarray):
             transitions = np.ascontiguousarray(transitions[:, actions])
         else:
-            rows = np.arange(mdp.states)[:, None] * every + actions
-            transitions = transitions[rows.ravel()]
-    successors = successors_of(transitions, len(actions))
-    seen = observation_probabilities(mdp, sensor)
+            transitions = transitions[rows]
+    successors = successors_of(transitions, count)
     if is_by_action(sensor):
-        successors, seen = _leading_to_observations(successors, seen, actions)
-    return Problem(successors, seen, horizon, tolerance, most_entries)
+        successors = replace(successors, seen=last_observations(mdp, sensor)[rows])
+    return Problem(successors, _at_the_end(mdp, sensor), horizon, tolerance, most_entries)
 
 
-def _leading_to_observations(
-    successors: Successors, seen: "csr_array", actions: Int64[np.ndarray, "A"]
-) -> tuple[Successors, "csr_array"]:
-    """The successors and the sensor where the last action leads to observations.
+def _at_the_end(mdp: TabularMDP, sensor: Sensor) -> "csr_array":
+    """The sensor; where the last action leads to observations, these themselves."""
+    from scipy.sparse import csr_array, eye_array
 
-    Args:
-        successors: the transitions under the chosen actions.
-        seen: as `observation_probabilities` returns it, of all actions.
-        actions: those chosen.
-    """
-    from scipy.sparse import csr_array, eye_array, vstack
-
-    states, count = successors.states, successors.actions
-    moves = csr_array(
-        (successors.probability, successors.state, successors.first), (states * count, states)
-    )
-    each = [
-        moves[place::count] @ seen[action * states : (action + 1) * states]
-        for place, action in enumerate(actions.tolist())
-    ]
-    by_state = np.arange(states * count).reshape(count, states).T.ravel()
-    after = csr_array(vstack(each, format="csr"))[by_state]
-    return replace(successors, seen=after), csr_array(eye_array(shape_of(seen)[1]))
+    seen = observation_probabilities(mdp, sensor)
+    return csr_array(eye_array(shape_of(seen)[1])) if is_by_action(sensor) else seen
 
 
 @dataclass(frozen=True)
@@ -117,16 +101,9 @@ class Answer:
 
 def successors_of(transitions: "Int32[np.ndarray, 'S A'] | csr_array", actions: int) -> Successors:
     """A table's transitions as the kernels read them."""
-    if isinstance(transitions, np.ndarray):
-        there = transitions.ravel() >= 0
-        first = np.concatenate([[0], np.cumsum(there)])
-        reached = transitions.ravel()[there]
-        return Successors(first, reached, np.ones(len(reached)), actions)
+    moves = moves_of(transitions)
     return Successors(
-        transitions.indptr.astype(np.int64),
-        transitions.indices.astype(np.int32),
-        transitions.data,
-        actions,
+        moves.indptr.astype(np.int64), moves.indices.astype(np.int32), moves.data, actions
     )
 
 
@@ -207,11 +184,6 @@ def solve_channel(
 def _merging_error(states: int, horizon: int, observations: int) -> float:
     """By how many bits merging beliefs that differ by rounding can change a capacity.
 
-    A row changes by at most `distance` in total variation, and so both entropies of the
-    mutual information by at most `T log2(O - 1) + H(T)` (Fannes 1973; Audenaert 2007).
+    A row changes by at most `SAME * states * (horizon + 1) / 2` in total variation.
     """
-    distance = min(SAME * states * (horizon + 1) / 2, 0.5)
-    if horizon == 0 or distance == 0:
-        return 0.0
-    binary = -distance * np.log2(distance) - (1 - distance) * np.log2(1 - distance)
-    return float(2 * (distance * np.log2(max(observations - 1, 1)) + binary))
+    return information_error(SAME * states * (horizon + 1) / 2, observations) if horizon else 0.0
