@@ -51,7 +51,7 @@ class Training:
         self._told = asyncio.Condition()
 
     async def train(self) -> None:
-        """Trains to the end, whoever follows."""
+        """Trains to the end, whether or not a page follows."""
         try:
             async for report in self.reports():
                 self.report = report
