@@ -146,7 +146,7 @@ $(OLDEST)/installed: pyproject.toml constraints.txt
 	$(OLDEST)/bin/python -m pip install --quiet --disable-pip-version-check uv
 	grep -E '^(beartype|hypothesis|minigrid|pytest|pytest-xdist)==' constraints.txt > $(OLDEST)/tools.txt
 	$(OLDEST)/bin/uv pip install --quiet --python $(OLDEST)/bin/python --resolution lowest-direct \
-		--requirement $(OLDEST)/tools.txt --editable ".[learn,gymnasium,sweep,studio,video]"
+		--requirement $(OLDEST)/tools.txt --editable ".[learn,gymnasium,robots,sweep,studio,video]"
 	touch $@
 
 $(INSTALLED): pyproject.toml constraints.txt
@@ -154,12 +154,12 @@ $(INSTALLED): pyproject.toml constraints.txt
 		{ echo "Habilis needs Python 3.11 or newer; call make PYTHON=python3.12, say"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--constraint constraints.txt --editable ".[learn,gymnasium,sweep,studio,video,docs,dev]"
+		--constraint constraints.txt --editable ".[learn,gymnasium,robots,sweep,studio,video,docs,dev]"
 	touch $@
 
 # Every package that Habilis and its extras install, with its licence: sbom.cdx.json, a part of the wheel.
 # Two minutes.
-RUNTIME := learn,gymnasium,sweep,studio,storm,video
+RUNTIME := learn,gymnasium,robots,sweep,studio,storm,video
 sbom: $(INSTALLED)
 	rm -rf .venv-sbom
 	$(PYTHON) -m venv .venv-sbom/runtime

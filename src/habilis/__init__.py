@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from habilis.empowerment import empowerment as empowerment  # now: its package has the same name
 from habilis.lazy import public
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 _OPTIONAL = (
     "habilis.envs",
