@@ -1,15 +1,14 @@
 """A finite Markov decision process as arrays."""
 
-import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Bool, Float32, Int32
 from numpy.typing import ArrayLike
 
+from habilis import mdp_sources, mdp_states
 from habilis.checks import is_probability
 from habilis.mdp_arguments import (
     Axes,
@@ -21,46 +20,14 @@ from habilis.mdp_arguments import (
     transition_matrix,
 )
 from habilis.mdp_description import contents, described
+from habilis.mdp_states import HELD as HELD
+from habilis.mdp_states import LAID as LAID
+from habilis.mdp_states import ModelStates as ModelStates
+from habilis.mdp_states import Origin as Origin
 from habilis.reprs import quietly, short, table_html, unfailing
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-HELD, LAID = "held", "laid"
-"""The factors of a world that are no cells: which tool is in hand, and which was put down."""
-
-_NOWHERE = -2  # a label of no state: cells are 0 and up, what a world lacks is -1
-
-
-@runtime_checkable
-class Origin(Protocol):
-    """The environment that a table was made of."""
-
-    @property
-    def verified(self) -> int:
-        """How many transitions of the table were seen in replays of the environment."""
-        ...
-
-    def restore(self, state: int | np.integer) -> Any:
-        """The environment in a state."""
-        ...
-
-    def observation(self, state: int | np.integer) -> Any:
-        """Its observation of a state."""
-        ...
-
-
-@runtime_checkable
-class ModelStates(Protocol):
-    """The states of the model that a table was made of."""
-
-    def state(self, index: int) -> Any:
-        """A state as the model has it."""
-        ...
-
-    def index(self, state: Any) -> int:
-        """The number of a state; -1 if it is not in the table."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,273 +178,24 @@ class TabularMDP:
             stacked = stacked + self_loops(still, actions, len(there))
         return cls(simplest(stacked, actions), reward, terminal, start=int(start))
 
-    @classmethod
-    def from_gymnasium(
-        cls,
-        env: Any,
-        *,
-        max_states: int = 100_000,
-        seed: int | None = 0,
-        key: Callable[[Any], Any] | None = None,
-        ignore: Sequence[str] = (),
-        state: tuple[Callable[[Any], Any], Callable[[Any, Any], Any]] | None = None,
-        factors: Mapping[str, Callable[[Any], int]] | None = None,
-        show_progress: bool = False,
-    ) -> "TabularMDP":
-        """The table of a Gymnasium environment; the environment itself is left as it is.
+    from_gymnasium = classmethod(mdp_sources.from_gymnasium)
+    from_storm = classmethod(mdp_sources.from_storm)
+    load = classmethod(mdp_sources.load)
+    save = mdp_sources.save
 
-        From its own table `P` if it has one, as FrozenLake, CliffWalking and Taxi do. Otherwise
-        it must be deterministic, and every state that can be reached from the first is stepped
-        through, on copies. A state is the value of all that the (unwrapped) environment holds:
-        see "Is the number right?" in the documentation. Terminal states are not stepped out of; a
-        situation that is reached both with and without the end of an episode is two states.
-
-        Then the table is checked against the environment as it was passed, with its wrappers: in
-        replayed episodes every step must be the table's, or the environment is refused. Where
-        `P` is read, or steps are enumerated, and it cannot be copied, it is reset afterwards.
-
-        Args:
-            env: what `gymnasium.make` returns, wrapped or not.
-            max_states: how many states to accept before giving up.
-            seed: of the reset that makes the first state; `None`: the state that env is in.
-            key: what makes two states of the (unwrapped) environment the same, in the place of
-                all that it holds.
-            ignore: attributes of the (unwrapped) environment that are no part of its state, such
-                as a counter of steps, "simulator.time" those of an attribute. Every step is made
-                with what they are in the first state; in the replays they run on, so that
-                an environment whose transitions depend on one is refused.
-            state: `(save, load)`, two functions of the wrapped environment: `save(env)` returns
-                the value of its state, `load(env, value)` restores it. For environments that
-                cannot be copied, and for wrappers that change what a step does: steps are then
-                made through all wrappers. They take precedence over `P`.
-            factors: further factors by name: a whole number for the (unwrapped) environment in a
-                state. Not for environments that have a `P`.
-            show_progress: whether to draw a progress bar on standard error.
-
-        Returns:
-            A table with the rewards, terminal states and first state of the environment, whose
-            `observation` and `restore` lead back to it. Factors: FrozenLake and CliffWalking
-            "agent"; Taxi "taxi", "passenger", "destination"; Minigrid "agent", "direction",
-            "carried" and every thing by its kind, such as "key".
-
-        Raises:
-            ValueError: it is no such environment, is random, does not follow its table, has more
-                states than max_states, or cannot be copied or compared; the message says what to
-                do.
-
-        Example:
-            >>> import gymnasium
-            >>> lake = TabularMDP.from_gymnasium(gymnasium.make("FrozenLake-v1"))
-            >>> lake.states, lake.is_stochastic, lake.actions
-            (16, True, ('left', 'down', 'right', 'up'))
-        """
-        from habilis.bridges.gymnasium import table_of
-
-        return table_of(env, max_states, seed, key, ignore, state, factors, show_progress)
-
-    @classmethod
-    def from_storm(
-        cls,
-        model: Any,
-        constants: str = "",
-        *,
-        reward: str | None = None,
-        terminal: str | None = None,
-    ) -> "TabularMDP":
-        """The table of a DTMC, MDP or POMDP in a language that the model checker Storm reads.
-
-        Needs `habilis[storm]`. Actions are the labels of choices; of several choices with one label
-        in a state the second is an action of its own, as in "move 2"; those without a label are
-        "[]", "[] 2", ... A DTMC has one action. An action is available in the states that have such
-        a choice. In a deadlock, where Storm adds a self-loop, none is.
-
-        Args:
-            model: the path of a model: `.jani`; `.drn`; `.tra`, with the `.lab` of the same name
-                beside it; or else in PRISM's language. Or a PrismProgram, a JaniModel or a sparse
-                model of `stormpy`.
-            constants: the values of constants that the model leaves open, as "N=4,p=0.1".
-            reward: the name of the reward model; by default the only one, if there is one. Rewards
-                of states and of actions are added.
-            terminal: the label of the states in which episodes end; by default none does.
-
-        Returns:
-            A table in Storm's order of states. Factors are the variables of the model, and of a
-            POMDP "observation"; flags are its labels of states.
-
-        Raises:
-            ValueError: Storm refuses the model, a constant has no value, it has several initial
-                states, is parametric or in continuous time, or lacks what is named.
-            MissingExtraError: stormpy is not installed.
-        """
-        from habilis.bridges.storm import table_of
-
-        return table_of(model, constants, reward, terminal)
-
-    def save(self, path: str | Path) -> None:
-        """Writes the table to a file, which `TabularMDP.load` reads.
-
-        All of it but the environment or model that it was made of (`origin`, `model_states`). The
-        file holds arrays of NumPy without pickles; it is written whole or not at all.
-
-        Args:
-            path: ends with .npz. A file of that name is replaced.
-
-        Raises:
-            ValueError: another suffix, or the file cannot be written.
-
-        Example:
-            >>> from tempfile import mkdtemp
-            >>> path = Path(mkdtemp()) / "two.npz"
-            >>> TabularMDP.deterministic([[0, 1], [1, 0]]).save(path)
-            >>> TabularMDP.load(path).next_state.tolist()
-            [[0, 1], [1, 0]]
-        """
-        from habilis.bridges.table_files import save
-
-        save(self, path)
-
-    @classmethod
-    def load(cls, path: str | Path) -> "TabularMDP":
-        """The table in a file that `save` wrote.
-
-        Args:
-            path: of the file.
-
-        Returns:
-            A table equal to the one saved, with its transitions, available actions, rewards,
-            terminal states, factors, flags, start, cells and names of actions.
-
-        Raises:
-            ValueError: the file cannot be read, is damaged, or is something else.
-
-        Example:
-            >>> from tempfile import mkdtemp
-            >>> path = Path(mkdtemp()) / "slippery.npz"
-            >>> TabularMDP.deterministic([[0, 1], [1, 0]]).slippery(0.2).save(path)
-            >>> TabularMDP.load(path).is_stochastic
-            True
-        """
-        from habilis.bridges.table_files import load
-
-        return load(path)
+    restore = mdp_states.restore
+    observation = mdp_states.observation
+    state = mdp_states.state
+    index = mdp_states.index
+    factor = mdp_states.factor
+    factor_named = mdp_states.factor_named
+    is_cell = mdp_states.is_cell
+    label = mdp_states.label
+    find = mdp_states.find
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickles: the environment or map that a table was made of stays behind."""
         return vars(self) | {"origin": None, "drawn": None}
-
-    def restore(self, state: int | np.integer) -> Any:
-        """An environment in a state of a table that `from_gymnasium` made.
-
-        Args:
-            state: its index.
-
-        Returns:
-            A copy of the environment that was passed, with its wrappers, led there along a shortest
-            path or, of a `P`, put there; with `state=(save, load)`, or an environment's own
-            `set_state`, that environment itself.
-
-        Raises:
-            ValueError: the table was not made from an environment, there is no such state, or the
-                wrappers do not let it be reached.
-
-        Example:
-            >>> import gymnasium
-            >>> lake = TabularMDP.from_gymnasium(gymnasium.make("FrozenLake-v1"))
-            >>> int(lake.restore(7).unwrapped.s)
-            7
-        """
-        return self._environment(state).restore(int(state))
-
-    def observation(self, state: int | np.integer) -> Any:
-        """The observation of a state by the environment of `from_gymnasium`, with its wrappers.
-
-        Args:
-            state: its index.
-
-        Returns:
-            An observation, as `step` returns it.
-
-        Raises:
-            ValueError: as in `restore`.
-
-        Example:
-            >>> import gymnasium
-            >>> lake = TabularMDP.from_gymnasium(gymnasium.make("FrozenLake-v1"))
-            >>> lake.observation(7)
-            7
-        """
-        return self._environment(state).observation(int(state))
-
-    def state(self, index: int | np.integer) -> Any:
-        """A state of the model that `explore` made this table of.
-
-        Args:
-            index: its number here.
-
-        Returns:
-            The state as the model has it.
-
-        Raises:
-            ValueError: the table was not made of a model, or there is no such state.
-
-        Example:
-            >>> class Coin:
-            ...     actions, initial = ("turn",), "heads"
-            ...
-            ...     def step(self, state, action):
-            ...         return "tails" if state == "heads" else "heads"
-            >>> from habilis.models import explore
-            >>> explore(Coin()).state(1)
-            'tails'
-        """
-        states = self._of_model()
-        self._check_index(index)
-        return states.state(int(index))
-
-    def index(self, state: Any) -> int:
-        """The number of a state of the model that `explore` made this table of.
-
-        Args:
-            state: as the model has it.
-
-        Returns:
-            Its index.
-
-        Raises:
-            KeyError: it was not reached.
-            ValueError: the table was not made of a model.
-
-        Example:
-            >>> class Coin:
-            ...     actions, initial = ("turn",), "heads"
-            ...
-            ...     def step(self, state, action):
-            ...         return "tails" if state == "heads" else "heads"
-            >>> from habilis.models import explore
-            >>> explore(Coin()).index("tails")
-            1
-        """
-        found = self._of_model().index(state)
-        if found < 0:
-            raise KeyError(f"the table has no state {state!r:.80}: it is not reached")
-        return found
-
-    def _of_model(self) -> "ModelStates":
-        if self.model_states is None:
-            raise ValueError("this table was not made of a model; habilis.explore makes one of it")
-        return self.model_states
-
-    def _check_index(self, state: Any) -> None:
-        if not isinstance(state, int | np.integer) or not 0 <= state < self.states:
-            raise ValueError(f"state is {state!r}; use 0 to {self.states - 1}")
-
-    def _environment(self, state: int | np.integer) -> "Origin":
-        if self.origin is None:
-            raise ValueError(
-                "this table was not made from an environment; TabularMDP.from_gymnasium makes one"
-            )
-        self._check_index(state)
-        return self.origin
 
     def slippery(self, slip: float) -> "TabularMDP":
         """This MDP when the chosen action may be replaced (rule 7 of the worlds).
@@ -586,106 +304,3 @@ class TabularMDP:
     def action_count(self) -> int:
         """A, how many actions there are."""
         return self.reward.shape[1]
-
-    def factor(self, name: str) -> Int32[np.ndarray, "S"]:
-        """The label of one thing in every state.
-
-        Args:
-            name: of the factor, as "object". Where there is only one of them, "object" stands for
-                "object:can" too, and "tool" for "tool:picker".
-
-        Returns:
-            int32[S]; in a world the cell of the thing, `row * columns + column`.
-
-        Raises:
-            ValueError: the MDP has no such factor, or several that could be meant; the message
-                lists those it has.
-        """
-        return self.factors[self.factor_named(name)]
-
-    def factor_named(self, name: str, what: str = "factor", besides: Sequence[str] = ()) -> str:
-        """The whole name of a factor: "object" is "object:can" where that is the only object.
-
-        Args:
-            name: of the factor, or what stands before the colon in it.
-            what: to call it in the message.
-            besides: what else there is to choose.
-
-        Returns:
-            A key of `factors`.
-
-        Raises:
-            ValueError: as in `factor`.
-        """
-        if name in self.factors:
-            return name
-        meant = [one for one in self.factors if one.partition(":")[0] == name]
-        if len(meant) == 1:
-            return meant[0]
-        problem = "could be several things" if meant else "is unknown"
-        known = ", ".join([*besides, *self.factors]) or "none"
-        fix = f"use one of {known}" if besides else f"this MDP has: {known}"
-        raise ValueError(f"{what} {name!r} {problem}; {fix}")
-
-    def is_cell(self, name: str) -> bool:
-        """Whether a factor's labels are cells of a map.
-
-        Args:
-            name: of the factor, in full.
-
-        Returns:
-            Not for "held" and "laid", and in an MDP without a map for none; see `cells`.
-        """
-        if self.cells is not None:
-            return name in self.cells
-        return self.shape is not None and name not in (HELD, LAID)
-
-    def label(self, cell: tuple[int, int]) -> int:
-        """The label that factors have for a cell, `row * columns + column`.
-
-        Args:
-            cell: (row, column), from 0.
-
-        Returns:
-            A label; one that no state has for a cell outside the map.
-
-        Raises:
-            ValueError: the MDP has no cells, or this is none.
-        """
-        if self.shape is None:
-            raise ValueError("this MDP has no cells; only the table of a world has them")
-        try:
-            row, column = (operator.index(part) for part in cell)
-        except (TypeError, ValueError):
-            raise ValueError(f"cell is {cell!r}; give (row, column)") from None
-        inside = 0 <= row < self.shape[0] and 0 <= column < self.shape[1]
-        return row * self.shape[1] + column if inside else _NOWHERE
-
-    def find(self, **cells: tuple[int, int] | int) -> int:
-        """The state in which things are at given cells.
-
-        Args:
-            **cells: for each factor the (row, column) of the thing; its label if it is no cell, as
-                `find(**{"agent": (0, 0), "object:can": (1, 0), "held": -1})`.
-
-        Returns:
-            The state's index.
-
-        Raises:
-            KeyError: no state, or more than one, has everything there.
-            ValueError: the MDP has no such factor.
-        """
-        found = np.ones(self.states, bool)
-        for name, cell in cells.items():
-            label = self._label_of(name, cell)
-            found &= self.factor(name) == label
-        matches = np.flatnonzero(found)
-        if len(matches) != 1:
-            where = ", ".join(f"{name}={cell}" for name, cell in cells.items())
-            raise KeyError(f"{len(matches) or 'no'} states have {where}")
-        return int(matches[0])
-
-    def _label_of(self, name: str, value: Any) -> int:
-        if (self.shape is None and self.cells is None) or self.is_cell(self.factor_named(name)):
-            return self.label(value)
-        return operator.index(value)
