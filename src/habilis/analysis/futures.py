@@ -22,7 +22,7 @@ from habilis.empowerment.combined import is_combined
 from habilis.empowerment.limits import too_much
 from habilis.empowerment.methods import Exact, checked_method
 from habilis.empowerment.old_keywords import takes_old_keywords
-from habilis.empowerment.sensors import Sensor, is_noisy
+from habilis.empowerment.sensors import Sensor, factor_of, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array
 from habilis.progress import progress_bar
@@ -52,8 +52,8 @@ class Futures:
         sequences: int32[k, h], action indices: the sequences worth choosing, the most probable
             first; one stands for all that lead to the same observations.
         probability: float64[k], with which each would be chosen; their sum is 1.
-        observations: int64[m], what could be seen: states, labels of a factor, or columns of a
-            noisy sensor.
+        observations: int64[m], what could be seen: states, labels of a factor, columns of a
+            noisy sensor, or, of "rest", the numbers of the combinations that there are.
         channel: float64[k, m], the probability of each observation after each sequence.
     """
 
@@ -166,9 +166,10 @@ def _named(
     mdp: TabularMDP, sensor: Sensor, observations: Int64[np.ndarray, "m"]
 ) -> Int64[np.ndarray, "m"]:
     """Observations by the sensor's own labels."""
-    if is_noisy(sensor) or (isinstance(sensor, str) and sensor == "state"):
+    factor = factor_of(mdp, sensor) if isinstance(sensor, str) else None
+    if is_noisy(sensor) or (isinstance(sensor, str) and factor is None):
         return observations
-    labels = mdp.factor(sensor) if isinstance(sensor, str) else as_array("sensor", sensor)
+    labels = as_array("sensor", sensor) if factor is None else mdp.factors[factor]
     return np.unique(labels)[observations].astype(np.int64)
 
 

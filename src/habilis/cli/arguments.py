@@ -31,8 +31,9 @@ def add_tool(parser: argparse.ArgumentParser) -> None:
 
 
 def add_measure(parser: argparse.ArgumentParser) -> None:
-    sensor = "state, agent, tool, object, one of several as object:can, or a sum or product of "
-    sensor += "values as 'object:can + object:ball', 'object:can * object:ball' (default state)"
+    sensor = "state, agent, tool, object, one of several as object:can, rest for all but the "
+    sensor += "agent, or a sum or product of values as 'object:can + object:ball', "
+    sensor += "'object:can * object:ball' (default state)"
     parser.add_argument("--sensor", default="state", help=sensor)
     parser.add_argument("--horizon", type=int, required=True, metavar="H", help="number of actions")
     parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")

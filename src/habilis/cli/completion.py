@@ -18,7 +18,7 @@ COMMON: tuple[str, ...] = ()
 
 SHELLS = ("bash", "zsh", "fish")
 _TOOLS = (*TOOLS, NO_TOOL)
-_SENSORS = ("state", "agent", "tool", "object")
+_SENSORS = ("state", "rest", "agent", "tool", "object")
 _FILES = ("SPEC.toml", "F.png", "F.csv", "F.gif", "F.mp4")
 _FOLDERS = ("DIR", "RUN")
 # Words that may stand for an option or argument, and whether files may, too.

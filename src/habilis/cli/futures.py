@@ -22,6 +22,7 @@ from habilis.cli.arguments import (
 )
 from habilis.cli.output import print_json, print_written, save, shows_progress
 from habilis.cli.puzzles import placed, puzzle_of
+from habilis.empowerment.sensors import factor_of
 from habilis.files import PICTURES
 from habilis.progress import progress_bar
 from habilis.worlds.placements import start_of
@@ -54,7 +55,7 @@ def run(args: Args) -> int:
 
     world, mdp = _around(args)
     cells = [name for name in mdp.factors if mdp.is_cell(name)]
-    if args.out and (args.sensor == "state" or mdp.factor_named(args.sensor) not in cells):
+    if args.out and factor_of(mdp, args.sensor) not in cells:
         raise ValueError(
             f"a picture needs cells; use --sensor {', '.join(cells)}, or leave out --out"
         )

@@ -22,7 +22,7 @@ from habilis.empowerment.initial_beliefs import are_beliefs, with_beliefs
 from habilis.empowerment.limits import Progress
 from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
 from habilis.empowerment.old_keywords import takes_old_keywords
-from habilis.empowerment.sensors import Sensor, is_noisy, observations
+from habilis.empowerment.sensors import Sensor, factor_of, is_noisy, observations
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore
 from habilis.processors import processors
@@ -129,7 +129,8 @@ def empowerment(
             explored as h actions can reach from the states asked about; or a Gymnasium environment.
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
-            empowerment, "object:can" where there are several), int[S] or bool[S] labels,
+            empowerment, "object:can" where there are several), "rest" for all factors but "agent",
+            together (empowerment of the surroundings; Dai et al. 2023), int[S] or bool[S] labels,
             float[S, O] probabilities of observations (also scipy.sparse), or float[A, S, O], where
             the observation depends on the last action a too, and on the state that it led to (the
             next state's, as in a POMDP; no action, no observation). Or several names, as in
@@ -359,8 +360,8 @@ def question_of(
     from habilis.empowerment.tabular.deterministic import Question
 
     labels, label_count = observations(mdp, sensor)
-    named = isinstance(sensor, str) and sensor != "state"
-    cells = named and mdp.is_cell(mdp.factor_named(str(sensor)))
+    factor = factor_of(mdp, sensor) if isinstance(sensor, str) else None
+    cells = factor is not None and mdp.is_cell(factor)
     table = mdp.next_state
     if len(actions) < mdp.action_count:
         table = np.ascontiguousarray(table[:, actions])
@@ -373,7 +374,7 @@ def question_of(
         label_count,
         horizon,
         starts,
-        mdp.factor(str(sensor)) if cells else None,
+        mdp.factors[factor] if factor is not None and cells else None,
         mdp.shape,
         method.threads or processors(),
         method.limits,

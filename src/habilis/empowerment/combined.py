@@ -10,7 +10,7 @@ from itertools import chain
 import numpy as np
 from jaxtyping import Float64
 
-from habilis.empowerment.sensors import Sensor
+from habilis.empowerment.sensors import Sensor, factor_of
 from habilis.mdp import TabularMDP
 
 Values = Float64[np.ndarray, "*n"]
@@ -73,8 +73,7 @@ def check_names(
     """
     others = () if is_combined(mdp, sensor) else besides
     for name in chain(*terms_of(mdp, sensor)):
-        if name != "state":
-            mdp.factor_named(str(name), argument, [*others, "state"])
+        factor_of(mdp, str(name), argument, others)
 
 
 def combined(mdp: TabularMDP, sensor: Sensor, through: Callable[[Sensor], Values]) -> Values:

@@ -1,5 +1,6 @@
 """Sensors: what the agent perceives of a state, as one label or with probabilities."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,9 +14,12 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 Sensor = str | ArrayLike | Any
-"""A factor's name, "state" for all of it, int[S] or bool[S] labels, float[S, O] probabilities, or
-float[A, S, O], those of what is observed after an action in the state that it led to.
+"""A factor's name, "state" for all of it, "rest" for all factors but the agent's, int[S] or bool[S]
+labels, float[S, O] probabilities, or float[A, S, O], those of what is observed after an action in
+the state that it led to.
 """
+
+STATE, REST, AGENT = "state", "rest", "agent"
 
 
 def is_noisy(sensor: Sensor) -> bool:
@@ -101,8 +105,8 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
     Args:
         mdp: the table.
         sensor: "state", the name of a factor ("object" stands for "object:can" where that is the
-            only object), or an int[S] or bool[S] array of labels. Labels need not be consecutive:
-            states with equal labels look alike, and nothing else matters.
+            only object), "rest", or an int[S] or bool[S] array of labels. Labels need not be
+            consecutive: states with equal labels look alike, and nothing else matters.
 
     Returns:
         Labels renumbered from 0 without gaps, and how many there are.
@@ -111,9 +115,12 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
         ValueError: no such factor, or an array that is not one integer a state.
     """
     if isinstance(sensor, str):
-        if sensor == "state":
+        if sensor == STATE:
             return np.arange(mdp.states, dtype=np.int32), mdp.states
-        labels = mdp.factors[mdp.factor_named(sensor, "sensor", ["state"])]
+        factor = factor_of(mdp, sensor)
+        if factor is None:
+            return joint_labels(mdp, rest_of(mdp))
+        labels = mdp.factors[factor]
     else:
         labels = as_array("sensor", sensor)
         if labels.shape != (mdp.states,) or labels.dtype.kind not in "biu":
@@ -123,3 +130,57 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
             )
     values, renumbered = np.unique(labels, return_inverse=True)
     return renumbered.astype(np.int32), len(values)
+
+
+def factor_of(
+    mdp: TabularMDP, sensor: str, argument: str = "sensor", besides: Sequence[str] = ()
+) -> str | None:
+    """The factor that a name stands for; `None` of "state" and "rest", which are no factors.
+
+    Args:
+        mdp: the table. A factor of it that is called "rest" is meant by that name.
+        sensor: a single name.
+        argument: what the error calls it.
+        besides: what else the argument may be.
+
+    Raises:
+        ValueError: no such factor, several that could be meant, or there is no rest.
+    """
+    if sensor == STATE:
+        return None
+    if sensor == REST and REST not in mdp.factors:
+        rest_of(mdp)
+        return None
+    return mdp.factor_named(sensor, argument, [*besides, STATE])
+
+
+def rest_of(mdp: TabularMDP, agent: Sequence[str] = (AGENT,)) -> list[str]:
+    """The factors of an agent's surroundings: all but its own.
+
+    Args:
+        mdp: the table.
+        agent: the agent's factors.
+
+    Raises:
+        ValueError: there is no such factor, or no other.
+    """
+    own = {mdp.factor_named(name, "the agent's factor") for name in agent}
+    rest = [name for name in mdp.factors if name not in own]
+    if not rest:
+        raise ValueError(
+            f"there is no rest, as the only factors are {', '.join(mdp.factors)}; use 'state'"
+        )
+    return rest
+
+
+def joint_labels(mdp: TabularMDP, names: Sequence[str]) -> tuple[Int32[np.ndarray, "S"], int]:
+    """One label for the values of several factors together, and how many there are.
+
+    Labels are from 0 up without gaps, in the order of the values, those of the first factor first.
+    """
+    joint, count = np.zeros(mdp.states, np.int64), 1
+    for name in names:
+        values, own = np.unique(mdp.factors[name], return_inverse=True)
+        found, joint = np.unique(joint * len(values) + own, return_inverse=True)
+        count = len(found)
+    return joint.astype(np.int32), count

@@ -61,10 +61,10 @@ class Config:
     )
     intrinsic: str = setting(
         NO_INTRINSIC,
-        'intrinsic reward: the empowerment through "state" or a factor\'s name, or sums '
-        'and products of several, as "object:can + object:can2"; of another kind as '
-        '"effective:object", "goal-directed:object"; "count", 1 / sqrt(visits of the '
-        'state); "rnd", random network distillation; or "none"',
+        'intrinsic reward: the empowerment through "state", a factor\'s name or "rest" (all '
+        'but the agent), or sums and products of several, as "object:can + object:can2"; of '
+        'another kind as "effective:object", "goal-directed:object"; "count", 1 / sqrt(visits '
+        'of the state); "rnd", random network distillation; or "none"',
     )
     horizon: int = setting(0, "horizon of that empowerment, in actions")
     beta: float = as_in(Bonus, "beta")
