@@ -63,6 +63,28 @@ def test_it_is_the_information_of_the_summed_channel(seed, discount, first_step,
     assert (abs(bits - expected) <= gap + 1e-12).all()
 
 
+@pytest.mark.parametrize("discount", [0.97, 0.999])
+def test_slow_dynamics_are_solved_to_the_gap(discount):
+    """Two rings of 40 states each, between which a policy hardly ever passes; 20 labels."""
+    rng = np.random.default_rng(1)
+    side, labels = np.arange(80) // 40, np.arange(80) // 4
+    here = np.arange(80) % 40
+    P = np.zeros((80, 3, 80))
+    for action, step in enumerate((-1, 1)):
+        P[range(80), action, (here + step) % 40 + 40 * side] = 1
+    P[range(80), 2, here + 40 * (1 - side)] = 1
+    policy = rng.dirichlet([1.0, 1.0, 1e-3], size=80)
+    mdp = hb.TabularMDP.stochastic(P, axes="SAS")
+    bits, gap = effective_empowerment(mdp, policy, discount, labels, return_gap=True)
+    W = np.eye(20)[labels]
+    under = np.einsum("sa,sat->st", policy, P)
+    N = np.linalg.solve(np.eye(80) - discount * under, (1 - discount) * under @ W)
+    rows = (1 - discount) * P @ W + discount * P @ N
+    expected = [information(rows[s], policy[s]) for s in range(80)]
+    assert (abs(bits - expected) <= gap).all()
+    assert gap.max() <= 1e-6
+
+
 @settings(deadline=None, max_examples=15)
 @cases
 def test_maximised_it_is_the_capacity_of_the_summed_channel(seed, discount, first_step, states):

@@ -1,13 +1,25 @@
-"""Compiled parts of effective empowerment: products with a policy's matrix, and its channels.
+"""Effective empowerment's linear system, and compiled parts: products with a matrix, channels.
 
 A channel's row, of a state and an action, is made of three parts with weights: what is observed at
 once, what after one step, and the discounted observations of the next states. The matrices are the
 three arrays of scipy's CSR format.
 """
 
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
 import numpy as np
+from jaxtyping import Float64
 
 from habilis.compiled import compiled, part
+from habilis.processors import processors
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+_ABREAST = 16  # columns that are solved together: so many states' rows stay in the cache
+_RESTART = 50
+_CYCLES = 20
 
 
 def _of_rows(at_once, seen, moves, discounted, weights, policy, states, *rest):
@@ -29,6 +41,110 @@ def add_product(first, column, value, old, factor, new, start, stop):
             weight, other = factor * value[place], column[place]
             for o in range(old.shape[1]):
                 new[row, o] += weight * old[other, o]
+
+
+def discounted(
+    matrix: "csr_array", emitted: Float64[np.ndarray, "S O"], discount: float, distance: float
+) -> Float64[np.ndarray, "S O"]:
+    """The fixed point N = (1 - g) E + g T N, of distributions E or some of their columns.
+
+    Iteration from E comes closer by the factor g a step. Where that takes long, BiCGSTAB (van der
+    Vorst 1992) goes first, and iteration adds what it leaves. The residual R of a solution bounds
+    what is missing: N - N' = (1 - g T)^-1 R, and the rows of T sum to 1.
+
+    Args:
+        matrix: T, stochastic.
+        emitted: E.
+        discount: g, above 0.
+        distance: the total variation distance to reach, in every state.
+    """
+    starts = range(0, emitted.shape[1], _ABREAST)
+
+    def some(first: int) -> Float64[np.ndarray, "S o"]:
+        columns = np.ascontiguousarray(emitted[:, first : first + _ABREAST])
+        return _fixed_point(matrix, columns, discount, distance / len(starts))
+
+    with ThreadPoolExecutor(processors()) as pool:
+        return np.hstack(list(pool.map(some, starts)))
+
+
+def _fixed_point(
+    matrix: "csr_array", emitted: Float64[np.ndarray, "S O"], g: float, distance: float
+) -> Float64[np.ndarray, "S O"]:
+    added, found = (1 - g) * emitted, emitted
+    left = 1.0  # E and N are parts of distributions
+    cycles = _CYCLES if np.log(distance) / np.log(g) > 2 * _RESTART else 0
+    while cycles and left > distance:
+        closer = _closer(matrix, found, added, g, distance)
+        then = _missing(added - _applied(matrix, closer, g), g)
+        cycles = cycles - 1 if then < left / 2 else 0
+        if then < left:
+            found, left = closer, then
+    steps = int(np.ceil(np.log(distance / left) / np.log(g))) if left > distance else 0
+    for _ in range(steps):
+        new = added.copy()
+        add_product(matrix.indptr, matrix.indices, matrix.data, found, g, new, 0, len(new))
+        found = new
+    return np.maximum(found, 0)
+
+
+def _applied(
+    matrix: "csr_array", some: Float64[np.ndarray, "S O"], g: float
+) -> Float64[np.ndarray, "S O"]:
+    """The product (1 - g T) some."""
+    product = some.copy()
+    add_product(matrix.indptr, matrix.indices, matrix.data, some, -g, product, 0, len(product))
+    return product
+
+
+def _missing(residual: Float64[np.ndarray, "S O"], g: float) -> float:
+    """A bound on the total variation distance of a solution with this residual."""
+    bound = float(np.abs(residual).sum(axis=1).max()) / (2 * (1 - g))
+    return bound if np.isfinite(bound) else np.inf
+
+
+def _closer(
+    matrix: "csr_array",
+    found: Float64[np.ndarray, "S O"],
+    added: Float64[np.ndarray, "S O"],
+    g: float,
+    distance: float,
+) -> Float64[np.ndarray, "S O"]:
+    """A solution after some steps of BiCGSTAB in every column."""
+    found, residual = found.copy(), added - _applied(matrix, found, g)
+    shadow, part_of = residual.copy(), np.empty_like(residual)
+    direction, image = np.zeros_like(residual), np.zeros_like(residual)
+    rho = alpha = omega = np.ones(found.shape[1])
+    for step in range(_RESTART):
+        before, rho = rho, _dot(shadow, residual)
+        beta = _ratio(rho, before) * _ratio(alpha, omega)
+        direction -= np.multiply(image, omega, out=part_of)
+        direction *= beta
+        direction += residual
+        image = _applied(matrix, direction, g)
+        alpha = _ratio(rho, _dot(shadow, image))
+        residual -= np.multiply(image, alpha, out=part_of)
+        other = _applied(matrix, residual, g)
+        omega = _ratio(_dot(other, residual), _dot(other, other))
+        found += np.multiply(direction, alpha, out=part_of)
+        found += np.multiply(residual, omega, out=part_of)
+        residual -= np.multiply(other, omega, out=part_of)
+        if step % 10 == 9 and _missing(residual, g) < distance / 2:
+            break
+    return found
+
+
+def _dot(
+    one: Float64[np.ndarray, "S O"], other: Float64[np.ndarray, "S O"]
+) -> Float64[np.ndarray, "O"]:
+    return np.einsum("so,so->o", one, other)
+
+
+def _ratio(
+    one: Float64[np.ndarray, "O"], other: Float64[np.ndarray, "O"]
+) -> Float64[np.ndarray, "O"]:
+    """The quotients, 0 where a column is solved or cannot go on."""
+    return np.divide(one, other, out=np.zeros_like(one), where=np.abs(other) > 1e-300)
 
 
 @part
