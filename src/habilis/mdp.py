@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int32
 from numpy.typing import ArrayLike
 
-from habilis import mdp_sources, mdp_states
+from habilis import mdp_players, mdp_sources, mdp_states
 from habilis.checks import is_probability
 from habilis.mdp_arguments import (
     Axes,
@@ -20,6 +20,7 @@ from habilis.mdp_arguments import (
     transition_matrix,
 )
 from habilis.mdp_description import contents, described
+from habilis.mdp_players import checked_players
 from habilis.mdp_states import HELD as HELD
 from habilis.mdp_states import LAID as LAID
 from habilis.mdp_states import ModelStates as ModelStates
@@ -60,6 +61,9 @@ class TabularMDP:
         model_states: the states of the model that `explore` made the table of, or the names that a
             file has for them, if any.
         drawn: the world or puzzle that it is the table of, which pictures of its states take.
+        players: how many actions each of several players has, by name, where an action is one of
+            each of them: the joint action (a, b) is `a * n + b`, n the number of actions of the
+            last. Empty where one agent chooses.
     """
 
     transitions: "Int32[np.ndarray, 'S A'] | csr_array"
@@ -75,6 +79,15 @@ class TabularMDP:
     cells: frozenset[str] | None = None
     model_states: "ModelStates | None" = field(default=None, repr=False)
     drawn: Any = field(default=None, repr=False)
+    players: Mapping[str, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Checks the players.
+
+        Raises:
+            ValueError: the product of their numbers of actions is not that of the table.
+        """
+        object.__setattr__(self, "players", checked_players(self.players, self.action_count))
 
     @unfailing
     def __repr__(self) -> str:
@@ -96,6 +109,7 @@ class TabularMDP:
         terminal: ArrayLike | None = None,
         start: int = 0,
         available: ArrayLike | None = None,
+        players: Mapping[str, int] | None = None,
     ) -> "TabularMDP":
         """An MDP from its transition table.
 
@@ -108,6 +122,8 @@ class TabularMDP:
             start: the state in which episodes begin.
             available: bool[S, A], which actions are available in each state; what next_state and
                 reward have elsewhere is ignored. By default those whose next state is not -1.
+            players: how many actions each player has, as `{"robot": 4, "human": 5}`, where
+                actions are joint ones, the last player's varying fastest.
 
         Returns:
             The MDP, without factors.
@@ -129,7 +145,7 @@ class TabularMDP:
         if not there.all():
             still = terminal & ~there.any(axis=1)
             table[still] = np.flatnonzero(still)[:, None]
-        return cls(table, reward, terminal, start=int(start))
+        return cls(table, reward, terminal, start=int(start), players=players or {})
 
     @classmethod
     def stochastic(
@@ -140,6 +156,7 @@ class TabularMDP:
         start: int = 0,
         available: ArrayLike | None = None,
         axes: Axes | None = None,
+        players: Mapping[str, int] | None = None,
     ) -> "TabularMDP":
         """An MDP from its transition probabilities.
 
@@ -156,6 +173,7 @@ class TabularMDP:
             axes: what the axes of P are, "SAS" for [states, actions, next states] or "ASS" for
                 [actions, states, next states]; by default as said of P. A list of as many dense
                 matrices as there are states could be either, and needs it.
+            players: as in `deterministic`.
 
         Returns:
             The MDP; a deterministic one if no action in any state has several outcomes.
@@ -176,7 +194,8 @@ class TabularMDP:
         still = np.flatnonzero(terminal & ~there.any(axis=1))
         if len(still):
             stacked = stacked + self_loops(still, actions, len(there))
-        return cls(simplest(stacked, actions), reward, terminal, start=int(start))
+        transitions = simplest(stacked, actions)
+        return cls(transitions, reward, terminal, start=int(start), players=players or {})
 
     from_gymnasium = classmethod(mdp_sources.from_gymnasium)
     from_storm = classmethod(mdp_sources.from_storm)
@@ -192,6 +211,8 @@ class TabularMDP:
     is_cell = mdp_states.is_cell
     label = mdp_states.label
     find = mdp_states.find
+
+    of_player = mdp_players.of_player
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickles: the environment or map that a table was made of stays behind."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from jaxtyping import Bool, Float32, Int, Int32
+from jaxtyping import Bool, Float32, Int, Int32, Integer
 from numpy.typing import ArrayLike
 
 from habilis.probabilities import (
@@ -191,6 +191,19 @@ def simplest(stacked: "csr_array", actions: int) -> "Int32[np.ndarray, 'S A'] | 
     table = np.full(len(outcomes), UNAVAILABLE, np.int32)
     table[outcomes > 0] = stacked.indices
     return table.reshape(-1, actions)
+
+
+def moves_of(transitions: "Integer[np.ndarray, 'S A'] | csr_array") -> "csr_array":
+    """The probabilities of next states, float64[S * A, S], of a table's transitions."""
+    from scipy.sparse import csr_array
+
+    if not isinstance(transitions, np.ndarray):
+        return transitions
+    there = transitions.ravel() >= 0
+    first = np.concatenate([[0], np.cumsum(there)])
+    reached = transitions.ravel()[there]
+    shape = transitions.size, len(transitions)
+    return csr_array((np.ones(len(reached)), reached, first), shape)
 
 
 def self_loops(states: Int[np.ndarray, "n"], actions: int, count: int) -> "csr_array":

@@ -13,6 +13,7 @@ def described(mdp: "TabularMDP") -> list[str]:
     actions = counted(mdp.action_count, "action")
     return [
         f"{counted(mdp.states, 'state')}, {actions}, {_kind(mdp)}",
+        f"players {_players(mdp)}" if mdp.players else "",
         f"factors {listed(mdp.factors)}" if mdp.factors else "",
         f"flags {listed(mdp.flags)}" if mdp.flags else "",
         f"start {_state(mdp, mdp.start)}",
@@ -25,6 +26,7 @@ def contents(mdp: "TabularMDP") -> dict[str, str]:
     return {
         "states": f"{mdp.states:,}",
         "actions": f"{mdp.action_count}{names}",
+        **({"players": _players(mdp)} if mdp.players else {}),
         "transitions": _kind(mdp),
         "factors": listed(mdp.factors),
         "flags": listed(mdp.flags),
@@ -34,6 +36,11 @@ def contents(mdp: "TabularMDP") -> dict[str, str]:
 
 def _kind(mdp: "TabularMDP") -> str:
     return "stochastic" if mdp.is_stochastic else "deterministic"
+
+
+def _players(mdp: "TabularMDP") -> str:
+    """Who acts, with how many actions each."""
+    return listed(f"{name} ({counted(count, 'action')})" for name, count in mdp.players.items())
 
 
 def _state(mdp: "TabularMDP", state: int) -> str:

@@ -144,7 +144,7 @@ def load(cls: type["TabularMDP"], path: str | Path) -> "TabularMDP":
 
     Returns:
         A table equal to the one saved, with its transitions, available actions, rewards,
-        terminal states, factors, flags, start, cells and names of actions.
+        terminal states, factors, flags, start, cells, names of actions and players.
 
     Raises:
         ValueError: the file cannot be read, is damaged, or is something else.

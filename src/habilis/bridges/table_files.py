@@ -2,7 +2,8 @@
 
 An .npz of plain arrays, without pickles, with a checksum (`habilis.checksums`). NumPy reads it too:
 
-- `header`: JSON text: format, edition, start, shape, actions, cells, names of factors and flags;
+- `header`: JSON text: format, edition, start, shape, actions, cells, names of factors and flags,
+  players if there are several;
 - `next_state`: int32[S, A]; or, of a stochastic table, `probability`, `column` and `first`, the
   sparse float64[S * A, S] of `TabularMDP.transitions`;
 - `reward`: float32[S, A]; `terminal`: bool[S]; `entry_reward`: float32[S], if there is any;
@@ -111,7 +112,7 @@ def _arrays(mdp: TabularMDP) -> dict[str, np.ndarray]:
         "cells": None if mdp.cells is None else sorted(mdp.cells),
         "factors": list(mdp.factors),
         "flags": list(mdp.flags),
-    }
+    } | ({"players": dict(mdp.players)} if mdp.players else {})
     arrays = {
         "header": np.array(json.dumps(header)),
         "reward": mdp.reward,
@@ -183,6 +184,7 @@ def _table(arrays: Arrays) -> TabularMDP:
         tuple(header["actions"]),
         entry_reward=entry_reward,
         cells=None if cells is None else frozenset(cells),
+        players=header.get("players", {}),
     )
 
 

@@ -3,26 +3,13 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Integer
 
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.mdp import TabularMDP
+from habilis.mdp_arguments import moves_of as moves_of
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-
-def moves_of(transitions: "Integer[np.ndarray, 'S A'] | csr_array") -> "csr_array":
-    """The probabilities of next states, float64[S * A, S], of a table's transitions."""
-    from scipy.sparse import csr_array
-
-    if not isinstance(transitions, np.ndarray):
-        return transitions
-    there = transitions.ravel() >= 0
-    first = np.concatenate([[0], np.cumsum(there)])
-    reached = transitions.ravel()[there]
-    shape = transitions.size, len(transitions)
-    return csr_array((np.ones(len(reached)), reached, first), shape)
 
 
 def last_observations(mdp: TabularMDP, sensor: Sensor) -> "csr_array":

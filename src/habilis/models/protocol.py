@@ -23,7 +23,9 @@ class Model(Protocol):
     - `shape`: (rows, columns) of the map whose cells these are; by default as large as they need;
     - `reward(state, action, next_state) -> float`; by default 0;
     - `terminal(state) -> bool`: whether an episode ends when this state is entered;
-    - `available(state)`: the indices of the actions that are available; by default all.
+    - `available(state)`: the indices of the actions that are available; by default all;
+    - `players`: how many actions each player has, by name, where actions are joint ones
+      (`TabularMDP.players`).
 
     Example:
         >>> class Line:

@@ -77,6 +77,7 @@ def table_of(
         cells=cells,
         actions=actions,
         model_states=found,
+        players=getattr(model, "players", {}),
         drawn=model if hasattr(model, "drawings") and hasattr(model, "at") else None,
     )
 
