@@ -16,6 +16,9 @@ from habilis.analysis.futures import futures
 from habilis.analysis.pairs import pairs
 from habilis.analysis.usefulness import usefulness
 from habilis.cli import main
+from habilis.empowerment import effective
+from habilis.empowerment.closed_loop import closed_loop_empowerment
+from habilis.empowerment.goal_directed import goal_directed_empowerment
 from habilis.empowerment.horizons import empowerment_by_horizon
 from habilis.empowerment.limits import Limits, watched
 from habilis.empowerment.tabular.persistence import persistence
@@ -124,6 +127,51 @@ def test_pairs_show_all_that_they_compute_within_their_bar(monkeypatch: pytest.M
     assert {"pairs", "placements", "components"} <= set(shown)
 
 
+@pytest.mark.parametrize("slip", [0.0, 0.1])
+def test_every_kind_shows_its_progress_and_the_same_values(monkeypatch: pytest.MonkeyPatch, slip):
+    shown: list[str] = []
+    _spy_on_bars(monkeypatch, lambda what, show: shown.append(what) if show else None)
+    ring = hb.TabularMDP.deterministic([[(s - 1) % 5, (s + 1) % 5] for s in range(5)]).slippery(
+        slip
+    )
+    price = {"cost": np.ones((5, 2)), "budget": [2, 3]}
+    asked: dict[str, Callable[[dict[str, Any]], Any]] = {
+        "budget": lambda more: hb.empowerment(ring, 2, **price, **more),
+        "each step": lambda more: hb.empowerment(ring, 2, sensor_at="each step", **more),
+        "belief": lambda more: hb.empowerment(ring, 2, states=np.full((1, 5), 0.2), **more),
+        "closed loop": lambda more: closed_loop_empowerment(ring, 2, **more),
+        "effective": lambda more: hb.effective_empowerment(ring, "uniform", 0.5, **more),
+        "best first": lambda more: hb.effective_empowerment(
+            ring, "uniform", 0.5, maximise=True, **more
+        ),
+    }
+    if not slip:
+        asked["goal-directed"] = lambda more: goal_directed_empowerment(
+            ring, 2, goal=[0], slack=2, **more
+        )
+    for kind, measure in asked.items():
+        shown.clear()
+        plain = measure({})
+        assert not shown, kind
+        assert np.array_equal(measure({"show_progress": True}), plain), kind
+        assert shown, kind
+
+
+@pytest.mark.parametrize("maximise", [False, True])
+def test_shares_of_an_effective_empowerment_rise_from_nothing_to_all(
+    monkeypatch: pytest.MonkeyPatch, maximise
+):
+    """In blocks of one observation each."""
+    heard: list[int] = []
+    monkeypatch.setattr(effective, "_BLOCK", 5)
+    monkeypatch.setattr(effective, "in_percent", lambda bar: lambda share: heard.append(share))
+    ring = hb.TabularMDP.deterministic([[(s - 1) % 5, (s + 1) % 5] for s in range(5)])
+    hb.effective_empowerment(ring, "uniform", 0.9, maximise=maximise)
+    assert heard[0] == 0
+    assert heard == sorted(heard)
+    assert heard[-1] == pytest.approx(0.5 if maximise else 1.0)
+
+
 def test_a_bar_is_there_before_the_placements_of_a_large_map_are_read(
     monkeypatch: pytest.MonkeyPatch,
 ):
@@ -167,7 +215,21 @@ def _spy_on_bars(monkeypatch: pytest.MonkeyPatch, hear: Callable[[str, bool], ob
         ["worlds", "yard", "--out", "yard.png"],
         ["empowerment", "corridor", "--horizon", "2"],
         ["landscape", "corridor", "--horizon", "2", "--out", "corridor.svg"],
+        ["landscape", "yard", "--horizon", "2", "--kind", "goal-directed"],
+        [
+            "landscape",
+            "yard",
+            "--horizon",
+            "2",
+            "--kind",
+            "effective",
+            "--discount",
+            "0",
+            "--sensor",
+            "object",
+        ],
         ["compare", "yard", "--horizon", "2"],
+        ["compare", "yard", "--horizon", "1", "--pairs"],
         ["futures", "yard", "--horizon", "2", "--sensor", "object"],
         ["solve", "yard"],
     ],

@@ -189,10 +189,12 @@ def empowerment(
     if sensor_at == "each step":
         if budgeted:
             raise ValueError("sensor_at is 'each step', which has no budget; leave out cost")
-        bits, gap = _of_trajectories(mdp, horizon, sensor, used, states, method, scale)
+        bits, gap = _of_trajectories(
+            mdp, horizon, sensor, used, states, method, scale, show_progress
+        )
         return (bits, gap) if return_gap else bits
     if budgeted:
-        some = mdp, horizon, sensor, used, states, cost, budget, method, scale
+        some = mdp, horizon, sensor, used, states, cost, budget, method, scale, show_progress
         bits, gap = _budgeted(*some)
         return (bits, gap) if return_gap else bits
     if are_beliefs(states):
@@ -220,6 +222,7 @@ def _of_trajectories(
     states: Any,
     method: Method,
     scale: float,
+    show_progress: bool,
 ) -> tuple[Bits, Bits]:
     """Empowerment over the observations of every step."""
     from habilis.empowerment.each_step import of_trajectories
@@ -231,7 +234,9 @@ def _of_trajectories(
         )
     check_single(mdp, sensor, "the observations of each step")
     tolerance, starts = method.tolerance / scale, chosen_states(mdp, states)
-    bits, gap = of_trajectories(mdp, horizon, sensor, actions, starts, tolerance, method.limits)
+    some = mdp, horizon, sensor, actions, starts, tolerance, method.limits
+    with progress_bar("empowerment", show_progress) as report:
+        bits, gap = of_trajectories(*some, report)
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return bits * scale, gap * scale
@@ -247,6 +252,7 @@ def _budgeted(
     budget: Any,
     method: Method,
     scale: float,
+    show_progress: bool,
 ) -> tuple[Curves, Curves]:
     """Empowerment within a budget, of one sensor, exactly."""
     if not isinstance(method, Exact):
@@ -255,10 +261,10 @@ def _budgeted(
     if are_beliefs(states):
         raise ValueError("states are distributions; with a budget give states")
     tolerance = method.tolerance / scale
-    bits, gap = within_budget(
-        *(mdp, horizon, sensor, actions, chosen_states(mdp, states)),
-        *(cost, budget, tolerance, method.limits),
-    )
+    starts = chosen_states(mdp, states)
+    some = mdp, horizon, sensor, actions, starts, cost, budget, tolerance, method.limits
+    with progress_bar("capacities", show_progress) as report:
+        bits, gap = within_budget(*some, report)
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return bits * scale, gap * scale

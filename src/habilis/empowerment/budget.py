@@ -8,6 +8,7 @@ most B is a concave function of B with, for every price l >= 0 of a unit of cost
 for any q; the price at which the best inputs just meet the budget closes the bound.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ def within_budget(
     budget: Any,
     tolerance: float,
     limits: Limits,
+    report: Callable[[int, int], None],
 ) -> tuple[Float64[np.ndarray, "n *budgets"], Float64[np.ndarray, "n *budgets"]]:
     """Empowerment at a mean cost of at most the budget, and its gap, in bits.
 
@@ -49,6 +51,7 @@ def within_budget(
         budget: one, or several in a sequence.
         tolerance: the gap to reach, in bits.
         limits: on the memory of the beliefs of one state.
+        report: hears how many capacities are known, and of how many.
 
     Returns:
         float64[n], or float64[n, budgets].
@@ -62,6 +65,7 @@ def within_budget(
     asked, place = np.unique(states, return_inverse=True)
     bits, gaps = np.zeros((2, len(asked), len(budgets)))
     for number, start in enumerate(asked.tolist()):
+        report(number * len(budgets), bits.size)
         channel, costs = priced_channel(mdp, moves, seen, start, horizon, actions, each, limits)
         if not len(costs):
             continue  # no sequence can surely be carried out
@@ -73,6 +77,7 @@ def within_budget(
         for column, most in enumerate(budgets.tolist()):
             found = capacity_within(channel, costs, most, tolerance * _LN2)
             bits[number, column], gaps[number, column] = np.array(found) / _LN2
+            report(number * len(budgets) + column + 1, bits.size)
     if np.ndim(budget) == 0:
         bits, gaps = bits[:, 0], gaps[:, 0]
     return bits[place], gaps[place]

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 
 from habilis.channels.capacity import warn_of_gap
 from habilis.channels.capacity_solver import best_inputs
-from habilis.empowerment.api import empowerment
+from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.arguments import (
     Unit,
     at_least_one,
@@ -193,7 +193,8 @@ def closed_loop_empowerment(
     at_least_one("max_boxes", max_boxes)
     used, starts = chosen_actions(mdp, actions), chosen_states(mdp, states)
     if horizon == 0 or (not mdp.is_stochastic and not is_noisy(sensor)):
-        bits = empowerment(mdp, horizon, sensor, used, starts, unit=unit)
+        some: Options = {"unit": unit, "show_progress": show_progress}
+        bits = empowerment(mdp, horizon, sensor, used, starts, **some)
         return (bits, np.zeros(len(bits))) if return_gap else bits
     check_single(mdp, sensor)
     moves, seen = moves_of(mdp.transitions), last_observations(mdp, sensor)

@@ -11,6 +11,7 @@ sequence of actions, a column for each sequence of observations that is possible
 """
 
 import math
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -44,6 +45,7 @@ def of_trajectories(
     states: Int64[np.ndarray, "n"],
     tolerance: float,
     limits: Limits,
+    report: Callable[[int, int], None],
 ) -> tuple[Bits, Bits]:
     """Empowerment over sequences of observations, and its gap, in bits.
 
@@ -51,6 +53,7 @@ def of_trajectories(
         mdp, horizon, sensor, actions, states: as in `empowerment`.
         tolerance: the gap to reach, in bits.
         limits: on the memory of the channel of one state.
+        report: hears how many states, or steps of all of them, are done, and of how many.
 
     Raises:
         ValueError: a channel, or the sets of states, that take more memory.
@@ -60,9 +63,10 @@ def of_trajectories(
     if not mdp.is_stochastic and not is_noisy(sensor):
         labels, _ = observations(mdp, sensor)
         table = np.ascontiguousarray(mdp.next_state[:, actions])
-        bits = _counted(table, labels, asked, horizon, limits)
+        bits = _counted(table, labels, asked, horizon, limits, report)
     else:
         for number, start in enumerate(asked.tolist()):
+            report(number, len(asked))
             rows = written_out(mdp, sensor, start, horizon, actions, limits)
             if len(rows) > 1 and rows.shape[1] > 1:
                 _, found = best_inputs(rows, tolerance * _LN2)
@@ -76,6 +80,7 @@ def _counted(
     states: Int64[np.ndarray, "n"],
     horizon: int,
     limits: Limits,
+    report: Callable[[int, int], None],
 ) -> Bits:
     """The logarithm of the number of sequences of observations."""
     kept = 0
@@ -95,7 +100,8 @@ def _counted(
 
     starts = [frozenset([state]) for state in states.tolist()]
     layers = [set(starts)]
-    for _ in range(horizon):
+    for step in range(horizon):
+        report(step, horizon)
         layers.append({part for one in layers[-1] for part in after(one)})
     count: dict[frozenset[int], int] = dict.fromkeys(layers[-1], 1)
     for layer in reversed(layers[:-1]):

@@ -25,11 +25,13 @@ from habilis.channels.capacity import warn_of_gap
 from habilis.checks import is_number
 from habilis.empowerment.arguments import Unit, chosen_states, per_bit, positive, whole_number
 from habilis.empowerment.combined import check_single
+from habilis.empowerment.limits import Progress
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.mdp import TabularMDP
 from habilis.probabilities import as_array, row_stochastic, shape_of
 from habilis.processors import processors
+from habilis.progress import in_percent, progress_bar
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -74,6 +76,7 @@ def effective_empowerment(
     tolerance: float = ...,
     return_gap: Literal[False] = ...,
     unit: Unit = ...,
+    show_progress: bool = ...,
 ) -> Bits: ...
 
 
@@ -90,6 +93,7 @@ def effective_empowerment(
     tolerance: float = ...,
     return_gap: Literal[True],
     unit: Unit = ...,
+    show_progress: bool = ...,
 ) -> tuple[Bits, Bits]: ...
 
 
@@ -105,6 +109,7 @@ def effective_empowerment(
     tolerance: float = 1e-6,
     return_gap: bool = False,
     unit: Unit = "bits",
+    show_progress: bool = False,
 ) -> Bits | tuple[Bits, Bits]:
     """The influence of one action on later observations, under a policy.
 
@@ -129,6 +134,7 @@ def effective_empowerment(
         tolerance: the gap to reach, in `unit`.
         return_gap: whether to return the certificate too.
         unit: "bits" or "nats", of values, gaps and tolerance.
+        show_progress: whether to draw a progress bar on standard error, once it takes two seconds.
 
     Returns:
         float64[n]; with `return_gap` also float64[n], by how much the true value may differ at
@@ -156,11 +162,12 @@ def effective_empowerment(
     channel = _channel_of(mdp, chosen, sensor, float(discount), first_step)
     outputs = shape_of(channel.seen)[1]
     distance = _distance_of(tolerance / 2, outputs)
-    if maximise:
-        bits, gap = _capacities(channel, mdp.available, starts, distance, tolerance)
-    else:
-        bits = _informations(channel, chosen, starts, distance)
-        gap = np.zeros(len(starts))
+    with progress_bar("effective empowerment", show_progress) as bar:
+        some = starts, distance, in_percent(bar)
+        if maximise:
+            bits, gap = _capacities(channel, mdp.available, *some, tolerance)
+        else:
+            bits, gap = _informations(channel, chosen, *some), np.zeros(len(starts))
     gap = gap + (information_error(distance, outputs) if discount > 0 else 0.0)
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
@@ -236,7 +243,9 @@ def _distance_of(bits: float, outputs: int) -> float:
     return low
 
 
-def _discounted(channel: _Channel, columns: slice, distance: float) -> Float64[np.ndarray, "S O"]:
+def _discounted(
+    channel: _Channel, columns: slice, distance: float, report: Progress
+) -> Float64[np.ndarray, "S O"]:
     """The part of N for some observations, to within a total variation distance."""
     from habilis.empowerment.tabular.policies import discounted
 
@@ -246,7 +255,7 @@ def _discounted(channel: _Channel, columns: slice, distance: float) -> Float64[n
     if channel.discount > 0:
         # Half the distance: rows that do not quite sum to 1 cost less than the other half.
         share = distance / 2 * found.shape[1] / shape_of(mean)[1]
-        found = discounted(under, found, channel.discount, max(share, 1e-300))
+        found = discounted(under, found, channel.discount, max(share, 1e-300), report)
     for _ in range(max(channel.first_step - 2, 0)):
         found = _in_threads(under, found, np.zeros_like(found), 1.0)
     return found
@@ -287,6 +296,11 @@ def _split(some: Callable[[tuple[int, int]], None], count: int) -> None:
         list(pool.map(some, ranges))
 
 
+def _of_part(report: Progress, before: float, part: float, share: float) -> None:
+    """Reports a share of a part of the whole."""
+    report(before + part * share)
+
+
 def _weights(channel: _Channel) -> tuple[float, float, float]:
     """The weights in a row of the channel of O at once, after one step, and of N after one."""
     g = channel.discount
@@ -302,6 +316,7 @@ def _informations(
     policy: Float64[np.ndarray, "S A"],
     starts: Int64[np.ndarray, "n"],
     distance: float,
+    report: Progress,
 ) -> Bits:
     """I(A; O) with the action drawn from the policy: a sum over observations, some at a time."""
     from habilis.empowerment.tabular.policies import add_information
@@ -311,7 +326,8 @@ def _informations(
     nats = np.zeros(len(starts))
     for first in range(0, outputs, width):
         columns = slice(first, min(first + width, outputs))
-        given = _arguments(channel, _discounted(channel, columns, distance), columns)
+        share = partial(_of_part, report, first / outputs, (columns.stop - first) / outputs)
+        given = _arguments(channel, _discounted(channel, columns, distance, share), columns)
         _split(partial(_in_range, add_information, (*given, policy, starts, nats)), len(starts))
     return np.maximum(nats, 0) / _LN2
 
@@ -321,6 +337,7 @@ def _capacities(
     available: np.ndarray,
     starts: Int64[np.ndarray, "n"],
     distance: float,
+    report: Progress,
     tolerance: float,
 ) -> tuple[Bits, Bits]:
     """The capacity over the distribution of the action, and its gap."""
@@ -328,9 +345,9 @@ def _capacities(
     from habilis.empowerment.tabular.policies import add_capacity, channel_row
 
     outputs = shape_of(channel.at_once)[1]
-    given = _arguments(
-        channel, _discounted(channel, slice(0, outputs), distance), slice(0, outputs)
-    )
+    columns, share = slice(0, outputs), partial(_of_part, report, 0.0, 0.5)
+    given = _arguments(channel, _discounted(channel, columns, distance, share), columns)
+    report(0.5)
     lower, upper = np.zeros(len(starts)), np.zeros(len(starts))
     sought = tolerance * _LN2 / 2
 

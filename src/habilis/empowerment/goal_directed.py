@@ -15,11 +15,12 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64, Integer
 from numpy.typing import ArrayLike
 
-from habilis.empowerment.api import empowerment
+from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.arguments import chosen_states, whole_number
 from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
+from habilis.progress import progress_bar
 
 _EXACT = Exact()
 _FAR = 2**40  # a distance that no table has, and that floats hold exactly
@@ -34,6 +35,7 @@ def goal_directed_empowerment(
     states: Any = None,
     *,
     method: Method = _EXACT,
+    show_progress: bool = False,
 ) -> Float64[np.ndarray, "n"]:
     """How many futures there are on the way to the goal, in bits.
 
@@ -51,6 +53,7 @@ def goal_directed_empowerment(
         sensor: as in `empowerment`, labels only, one alone.
         states: the n states asked about, as indices or as bool[S]; by default all.
         method: as in `empowerment`.
+        show_progress: whether to draw a progress bar on standard error, once it takes two seconds.
 
     Returns:
         float64[n], in bits.
@@ -77,13 +80,16 @@ def goal_directed_empowerment(
     reach = np.minimum(distance[starts] + slack, horizon)
     reach[distance[starts] == _FAR] = 0
     slack = min(slack, int(distance[distance < _FAR].max()) + horizon)  # more forbids nothing
-    product = TabularMDP.deterministic(_with_slack(next_state, goals, distance, slack))
-    bits = np.zeros(len(starts))
-    for steps in np.unique(reach[reach > 0]).tolist():
-        those = np.flatnonzero(reach == steps)
-        nodes = starts[those] * (slack + 1) + slack
+    bits, lengths = np.zeros(len(starts)), np.unique(reach[reach > 0]).tolist()
+    with progress_bar("lengths", show_progress) as report:
+        product = TabularMDP.deterministic(_with_slack(next_state, goals, distance, slack))
         seen = np.repeat(labels, slack + 1)
-        bits[those] = empowerment(product, steps, seen, states=nodes, method=method)
+        for number, steps in enumerate(lengths):
+            report(number, len(lengths))
+            those = np.flatnonzero(reach == steps)
+            nodes = starts[those] * (slack + 1) + slack
+            some: Options = {"method": method, "show_progress": show_progress}
+            bits[those] = empowerment(product, steps, seen, states=nodes, **some)
     return bits
 
 

@@ -58,6 +58,7 @@ def of_kind(
     if kind == OPEN_LOOP:
         return empowerment(mdp, horizon, sensor, actions, states, **options)
     method, unit = options.get("method", Exact()), options.get("unit", "bits")
+    show = options.get("show_progress", False)
     if not isinstance(method, Exact):
         raise ValueError(f"kind {kind!r} has no method but Exact; leave out method")
     if kind == CLOSED_LOOP:
@@ -68,7 +69,7 @@ def of_kind(
             actions=actions,
             tolerance=method.tolerance,
             unit=unit,
-            show_progress=options.get("show_progress", False),
+            show_progress=show,
         )
     if actions is not None:
         raise ValueError(f"kind {kind!r} is over all actions; leave out actions")
@@ -77,9 +78,14 @@ def of_kind(
 
         assert discount is not None, "`checked_kind` has seen to it"
         return effective_empowerment(
-            mdp, "uniform", discount, sensor, states, tolerance=method.tolerance, unit=unit
+            *(mdp, "uniform", discount, sensor, states),
+            tolerance=method.tolerance,
+            unit=unit,
+            show_progress=show,
         )
     from habilis.empowerment.goal_directed import goal_directed_empowerment
 
-    bits = goal_directed_empowerment(mdp, horizon, None, slack or 0, sensor, states, method=method)
+    bits = goal_directed_empowerment(
+        *(mdp, horizon, None, slack or 0, sensor, states), method=method, show_progress=show
+    )
     return bits if unit == "bits" else bits * np.log(2)

@@ -5,6 +5,7 @@ once, what after one step, and the discounted observations of the next states. T
 three arrays of scipy's CSR format.
 """
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.compiled import compiled, part
+from habilis.empowerment.limits import Progress, unwatched
 from habilis.processors import processors
 
 if TYPE_CHECKING:
@@ -44,7 +46,11 @@ def add_product(first, column, value, old, factor, new, start, stop):
 
 
 def discounted(
-    matrix: "csr_array", emitted: Float64[np.ndarray, "S O"], discount: float, distance: float
+    matrix: "csr_array",
+    emitted: Float64[np.ndarray, "S O"],
+    discount: float,
+    distance: float,
+    report: Progress = unwatched,
 ) -> Float64[np.ndarray, "S O"]:
     """The fixed point N = (1 - g) E + g T N, of distributions E or some of their columns.
 
@@ -57,22 +63,34 @@ def discounted(
         emitted: E.
         discount: g, above 0.
         distance: the total variation distance to reach, in every state.
+        report: called with the share that is done, from several threads.
     """
     starts = range(0, emitted.shape[1], _ABREAST)
+    shares = np.zeros(len(starts))
 
-    def some(first: int) -> Float64[np.ndarray, "S o"]:
-        columns = np.ascontiguousarray(emitted[:, first : first + _ABREAST])
-        return _fixed_point(matrix, columns, discount, distance / len(starts))
+    def some(number: int) -> Float64[np.ndarray, "S o"]:
+        def come(left: float) -> None:
+            shares[number] = min(np.log(left) / np.log(distance / len(starts)), 1.0)
+            report(float(shares.mean()))
+
+        columns = np.ascontiguousarray(emitted[:, starts[number] : starts[number] + _ABREAST])
+        return _fixed_point(matrix, columns, discount, distance / len(starts), come)
 
     with ThreadPoolExecutor(processors()) as pool:
-        return np.hstack(list(pool.map(some, starts)))
+        return np.hstack(list(pool.map(some, range(len(starts)))))
 
 
 def _fixed_point(
-    matrix: "csr_array", emitted: Float64[np.ndarray, "S O"], g: float, distance: float
+    matrix: "csr_array",
+    emitted: Float64[np.ndarray, "S O"],
+    g: float,
+    distance: float,
+    come: Callable[[float], None],
 ) -> Float64[np.ndarray, "S O"]:
+    """As `discounted`, of a few columns; `come` hears the distance that is left."""
     added, found = (1 - g) * emitted, emitted
     left = 1.0  # E and N are parts of distributions
+    come(left)
     cycles = _CYCLES if np.log(distance) / np.log(g) > 2 * _RESTART else 0
     while cycles and left > distance:
         closer = _closer(matrix, found, added, g, distance)
@@ -80,8 +98,10 @@ def _fixed_point(
         cycles = cycles - 1 if then < left / 2 else 0
         if then < left:
             found, left = closer, then
+            come(max(left, distance))
     steps = int(np.ceil(np.log(distance / left) / np.log(g))) if left > distance else 0
-    for _ in range(steps):
+    for step in range(steps):
+        come(left * g**step)
         new = added.copy()
         add_product(matrix.indptr, matrix.indices, matrix.data, found, g, new, 0, len(new))
         found = new
