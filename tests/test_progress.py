@@ -162,9 +162,11 @@ def test_shares_of_an_effective_empowerment_rise_from_nothing_to_all(
     monkeypatch: pytest.MonkeyPatch, maximise
 ):
     """In blocks of one observation each."""
-    heard: list[int] = []
+    heard: list[float] = []
     monkeypatch.setattr(effective, "_BLOCK", 5)
-    monkeypatch.setattr(effective, "in_percent", lambda bar: lambda share: heard.append(share))
+    monkeypatch.setattr(
+        effective, "in_percent", lambda bar: lambda share: heard.append(round(share, 9))
+    )
     ring = hb.TabularMDP.deterministic([[(s - 1) % 5, (s + 1) % 5] for s in range(5)])
     hb.effective_empowerment(ring, "uniform", 0.9, maximise=maximise)
     assert heard[0] == 0
