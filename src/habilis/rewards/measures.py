@@ -76,7 +76,7 @@ def measured(
     kind, one = named
 
     def compute() -> dict[str, np.ndarray]:
-        values = of_kind(kind, mdp, horizon, one, actions, None, shared, None, options)
+        values, _ = of_kind(kind, mdp, horizon, one, actions, None, shared, None, options)
         return {"values": values}
 
     seen = observation_probabilities(mdp, one)
