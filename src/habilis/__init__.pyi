@@ -17,6 +17,7 @@ from habilis.channels import ConvergenceWarning as ConvergenceWarning
 from habilis.channels import capacity as capacity
 from habilis.empowerment import Exact as Exact
 from habilis.empowerment import Sampled as Sampled
+from habilis.empowerment import assistance as assistance
 from habilis.empowerment import closed_loop_empowerment as closed_loop_empowerment
 from habilis.empowerment import effective_empowerment as effective_empowerment
 from habilis.empowerment import empowerment as empowerment

@@ -1,5 +1,6 @@
 # The public names: `__init__.py` imports each from here on first use.
 from habilis.empowerment.api import empowerment as empowerment
+from habilis.empowerment.assisting import assistance as assistance
 from habilis.empowerment.closed_loop import closed_loop_empowerment as closed_loop_empowerment
 from habilis.empowerment.effective import effective_empowerment as effective_empowerment
 from habilis.empowerment.goal_directed import (

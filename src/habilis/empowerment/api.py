@@ -1,7 +1,7 @@
 """Empowerment: the capacity of the channel from the next h actions to the sensor."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, overload
+from typing import Any, Literal, TypedDict, Unpack, overload
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -15,25 +15,20 @@ from habilis.empowerment.arguments import (
     per_bit,
     whole_number,
 )
-from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.budget import is_budgeted, within_budget
 from habilis.empowerment.combined import check_single, combined_with_gaps
 from habilis.empowerment.initial_beliefs import are_beliefs, with_beliefs
-from habilis.empowerment.limits import Progress
 from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
+from habilis.empowerment.noiseless import counted_bits
 from habilis.empowerment.old_keywords import takes_old_keywords
-from habilis.empowerment.sensors import Sensor, factor_of, is_noisy, observations
+from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore
-from habilis.processors import processors
-from habilis.progress import in_percent, progress_bar
+from habilis.progress import progress_bar
 from habilis.worlds.placements import Placement
 from habilis.worlds.reach import reachable
 from habilis.worlds.table import whole_table
 from habilis.worlds.world import World
-
-if TYPE_CHECKING:
-    from habilis.empowerment.tabular.deterministic import Question
 
 States = ArrayLike | Placement | Sequence[Any]
 """Indices, bool[S] or, of a world, placements; of a model, its states."""
@@ -65,6 +60,8 @@ def empowerment(
     sensor_at: SensorAt = ...,
     cost: ArrayLike | None = ...,
     budget: Any = ...,
+    player: str | None = ...,
+    others: Any = ...,
     return_gap: Literal[False] = ...,
     **options: Unpack[Options],
 ) -> Bits: ...
@@ -81,6 +78,8 @@ def empowerment(
     sensor_at: SensorAt = ...,
     cost: ArrayLike | None = ...,
     budget: Any = ...,
+    player: str | None = ...,
+    others: Any = ...,
     return_gap: Literal[True],
     **options: Unpack[Options],
 ) -> tuple[Bits, Bits]: ...
@@ -97,6 +96,8 @@ def empowerment(
     sensor_at: SensorAt = "end",
     cost: ArrayLike | None = None,
     budget: Any = None,
+    player: str | None = None,
+    others: Any = None,
     method: Method = _EXACT,
     return_gap: bool = False,
     unit: Unit = "bits",
@@ -149,6 +150,11 @@ def empowerment(
         cost, budget: float[S, A], 0 or more, what each action costs in each state, and what a
             sequence may cost in the mean: the capacity subject to that (Blahut 1972). Several
             budgets, in a sequence, give the curve: float64[n, budgets].
+        player: of a table of several players, whose empowerment it is; `actions`, `cost` and a
+            sensor by action are then the player's. Without it the inputs are the joint actions.
+        others: what the other players do: a policy, as in `TabularMDP.of_player`, by default
+            "uniform"; or "best" or "worst", the sequence of theirs, chosen in advance, against
+            which the value is the largest or the least.
         method: `Exact` or `Sampled`, with their settings, such as `Exact(max_seconds=60)`; what it
             may cost, and the gap to reach, are those of each sensor.
         return_gap: whether to return the certificate too.
@@ -182,6 +188,16 @@ def empowerment(
         mdp = model
     else:
         mdp, states = _around(model, horizon, sensor, states, show_progress)
+    if player is not None or others is not None:
+        from habilis.empowerment.players import against_others, checked_others, is_extreme
+
+        name = checked_others(mdp, player, others, isinstance(model, TabularMDP))
+        if is_extreme(others):
+            plain = sensor_at == "end" and cost is None and budget is None
+            one = mdp, name, others, horizon, sensor, actions, states, method, scale, plain
+            bits, gap = against_others(*one)
+            return (bits, gap) if return_gap else bits
+        mdp = mdp.of_player(name, "uniform" if others is None else others)
     used = chosen_actions(mdp, actions)
     if sensor_at not in ("end", "each step"):
         raise ValueError(f"sensor_at is {sensor_at!r}; use 'end' or 'each step'")
@@ -205,7 +221,7 @@ def empowerment(
     def through(one: Sensor) -> tuple[Bits, Bits]:
         if not mdp.is_stochastic and not is_noisy(one) and isinstance(method, Exact):
             some = None if states is None else starts
-            bits = _counted(mdp, horizon, one, used, some, method, show_progress)
+            bits = counted_bits(mdp, horizon, one, used, some, method, show_progress)
             return bits * scale, np.zeros(len(bits))
         bits, gap = _solved(mdp, horizon, one, used, starts, method, scale, show_progress)
         return bits * scale, gap * scale
@@ -308,24 +324,6 @@ def _around(
     return mdp, np.array([mdp.index(state) for state in states])
 
 
-def _counted(
-    mdp: TabularMDP,
-    horizon: int,
-    sensor: Sensor,
-    actions: Int64[np.ndarray, "A"],
-    starts: Int64[np.ndarray, "n"] | None,
-    method: Exact,
-    show_progress: bool,
-) -> Bits:
-    """The logarithms of the numbers of reachable observations, without noise."""
-    # Numba takes as long to import as everything else together: only who computes pays.
-    from habilis.empowerment.tabular.deterministic import counts
-
-    with progress_bar("empowerment", show_progress) as bar:
-        question = question_of(mdp, horizon, sensor, actions, starts, method, in_percent(bar))
-        return bits_of(counts(question))
-
-
 def _solved(
     mdp: TabularMDP,
     horizon: int,
@@ -351,43 +349,3 @@ def _solved(
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return bits, gap
-
-
-def question_of(
-    mdp: TabularMDP,
-    horizon: int,
-    sensor: Sensor,
-    actions: Int64[np.ndarray, "A"],
-    starts: Int64[np.ndarray, "n"] | None,
-    method: Exact,
-    report: Progress,
-) -> "Question":
-    """The counting problem of a measure of a deterministic table."""
-    from habilis.empowerment.tabular.deterministic import Question
-
-    labels, label_count = observations(mdp, sensor)
-    factor = factor_of(mdp, sensor) if isinstance(sensor, str) else None
-    cells = factor is not None and mdp.is_cell(factor)
-    table = mdp.next_state
-    if len(actions) < mdp.action_count:
-        table = np.ascontiguousarray(table[:, actions])
-    table, labels = with_nowhere(table, labels)
-    if len(labels) > mdp.states:  # the state added is not asked about, and has no cell
-        cells, starts = False, np.arange(mdp.states) if starts is None else starts
-    return Question(
-        table,
-        labels,
-        label_count,
-        horizon,
-        starts,
-        mdp.factors[factor] if factor is not None and cells else None,
-        mdp.shape,
-        method.threads or processors(),
-        method.limits,
-        report,
-    )
-
-
-def bits_of(counts: Int64[np.ndarray, "*any"]) -> Float64[np.ndarray, "*any"]:
-    """The capacity of noiseless channels to so many observations; of none it is 0."""
-    return np.log2(np.maximum(counts, 1))

@@ -46,12 +46,14 @@ def per_bit(unit: Unit) -> float:
     return sizes[unit]
 
 
-def chosen_actions(mdp: TabularMDP, actions: ArrayLike | None) -> Int64[np.ndarray, "A"]:
-    """The given action indices, each once, in order; all by default."""
+def chosen_actions(
+    mdp: TabularMDP, actions: ArrayLike | None, count: int | None = None
+) -> Int64[np.ndarray, "A"]:
+    """The given action indices, each once, in order; all by default, or the first `count`."""
+    count = mdp.action_count if count is None else count
     if actions is None:
-        return np.arange(mdp.action_count)
+        return np.arange(count)
     chosen = as_array("actions", actions)
-    count = mdp.action_count
     if chosen.dtype == object and chosen.ndim == 1:  # integers beyond NumPy's
         large = [one for one in chosen if isinstance(one, int) and not 0 <= one < count]
         if large:

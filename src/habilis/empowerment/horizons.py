@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
-from habilis.empowerment.api import Options, bits_of, empowerment, question_of
+from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.arguments import chosen_actions, chosen_states, per_bit, whole_number
 from habilis.empowerment.combined import combined, is_combined
 from habilis.empowerment.limits import (
@@ -16,6 +16,7 @@ from habilis.empowerment.limits import (
     watched,
 )
 from habilis.empowerment.methods import Exact, checked_method
+from habilis.empowerment.noiseless import bits_of, question_of
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP

@@ -115,10 +115,10 @@ def plain(config: Config) -> dict[str, Any]:
     """The settings that decide what a run does, 0 and 0.0 being the same number.
 
     Settings of later versions are left out as long as they have no effect: initial states, if they
-    are the map's own, and slip and policy_every, if they are 0.
+    are the map's own, and slip, if there is none.
     """
     idle = set() if config.starts else {"starts", "unseen", "starts_seed"}
-    idle |= {name for name in ("slip", "policy_every") if not getattr(config, name)}
+    idle |= set() if config.slip else {"slip"}
     defaults = {f.name: f.default for kind in (Config, *ALGORITHMS.values()) for f in fields(kind)}
     return {
         name: float(value) if isinstance(defaults[name], float) else value
