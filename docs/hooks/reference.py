@@ -27,6 +27,8 @@ PACKAGES = (
     "habilis.bridges",
     "habilis.channels",
     "habilis.envs",
+    "habilis.estimators",
+    "habilis.estimators.simulators",
     "habilis.learning",
     "habilis.sweeps",
     "habilis.worlds",

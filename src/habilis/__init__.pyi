@@ -24,6 +24,8 @@ from habilis.empowerment import empowerment as empowerment
 from habilis.empowerment import goal_directed_empowerment as goal_directed_empowerment
 from habilis.empowerment import persistence as persistence
 from habilis.envs import EmpowermentReward as EmpowermentReward
+from habilis.estimators import Counting as Counting
+from habilis.estimators import Simulator as Simulator
 from habilis.learning import A2C as A2C
 from habilis.learning import PPO as PPO
 from habilis.learning import Config as Config
@@ -52,6 +54,7 @@ from . import analysis as analysis
 from . import bridges as bridges
 from . import channels as channels
 from . import envs as envs
+from . import estimators as estimators
 from . import learning as learning
 from . import models as models
 from . import rewards as rewards

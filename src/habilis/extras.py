@@ -9,6 +9,7 @@ from types import ModuleType
 _OF_EXTRA = {
     "learn": ("jax", "jaxlib", "equinox", "optax", "jinja2", "filelock", "tensorboardX"),
     "gymnasium": ("gymnasium", "pygame"),
+    "robots": ("mujoco", "gymnasium", "jax", "jaxlib", "equinox", "optax"),
     "video": ("imageio_ffmpeg", "moviepy"),
     "sweep": ("optuna", "ray"),
     "studio": ("starlette", "uvicorn", "websockets"),

@@ -1,7 +1,7 @@
 """Empowerment: the capacity of the channel from the next h actions to the sensor."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, TypedDict, Unpack, overload
+from typing import Any, Literal, TypedDict, Unpack, cast, overload
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -22,6 +22,7 @@ from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
 from habilis.empowerment.noiseless import counted_bits
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor, is_noisy
+from habilis.estimators.protocol import Estimator, is_estimator
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore
 from habilis.progress import progress_bar
@@ -45,7 +46,7 @@ class Options(TypedDict, total=False):
     """Further arguments of `empowerment`, which the measures made of it pass on; see there."""
 
     unit: Unit
-    method: Method
+    method: Method | Estimator
     show_progress: bool
 
 
@@ -98,7 +99,7 @@ def empowerment(
     budget: Any = None,
     player: str | None = None,
     others: Any = None,
-    method: Method = _EXACT,
+    method: Method | Estimator = _EXACT,
     return_gap: bool = False,
     unit: Unit = "bits",
     show_progress: bool = False,
@@ -128,6 +129,7 @@ def empowerment(
     Args:
         model: a table; or a `World`, a `Model` or a `VectorModel`, of which only so much is
             explored as h actions can reach from the states asked about; or a Gymnasium environment.
+            With an estimator as method a `Simulator`, or a table.
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
             empowerment, "object:can" where there are several), "rest" for all factors but "agent",
@@ -156,7 +158,9 @@ def empowerment(
             "uniform"; or "best" or "worst", the sequence of theirs, chosen in advance, against
             which the value is the largest or the least.
         method: `Exact` or `Sampled`, with their settings, such as `Exact(max_seconds=60)`; what it
-            may cost, and the gap to reach, are those of each sensor.
+            may cost, and the gap to reach, are those of each sensor. Or an estimator, such as
+            `Gaussian`, fitted with seed 0: sensor and states are then a simulator's (see
+            `habilis.estimators.sensors`), and the value is what the estimator's `kind` says.
         return_gap: whether to return the certificate too.
         unit: "bits" or "nats", of values, gaps and tolerance.
         show_progress: whether to draw a progress bar on standard error, once it takes two seconds.
@@ -183,7 +187,10 @@ def empowerment(
         array([0.531, 0.531])
     """
     horizon = whole_number("horizon", horizon)
-    scale, method = per_bit(unit), checked_method(method)
+    if is_estimator(method):
+        foreign = (actions, cost, budget, player, others, return_gap, sensor_at != "end")
+        return _estimated(model, horizon, sensor, states, method, foreign, unit, show_progress)
+    scale, method = per_bit(unit), cast("Method", checked_method(method))
     if isinstance(model, TabularMDP):
         mdp = model
     else:
@@ -228,6 +235,28 @@ def empowerment(
 
     bits, gap = combined_with_gaps(mdp, sensor, through)
     return (bits, gap) if return_gap else bits
+
+
+def _estimated(
+    model: Any,
+    horizon: int,
+    sensor: Any,
+    states: Any,
+    method: Any,
+    foreign: tuple[Any, ...],
+    unit: Unit,
+    show_progress: bool,
+) -> Bits:
+    """Empowerment by an estimator."""
+    from habilis.estimators.measure import estimated_bits
+
+    if any(one is not None and one is not False for one in foreign):
+        raise ValueError(
+            "an estimator takes no actions, sensor_at, cost, budget, player, others or return_gap; "
+            "leave them out"
+        )
+    some = model, horizon, sensor, states, method
+    return estimated_bits(*some, show_progress=show_progress) * per_bit(unit)
 
 
 def _of_trajectories(

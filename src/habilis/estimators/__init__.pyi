@@ -1,0 +1,10 @@
+# The public names: `__init__.py` imports each from here on first use.
+from habilis.estimators.actions import ActionBox as ActionBox
+from habilis.estimators.counting import Counting as Counting
+from habilis.estimators.protocol import Estimator as Estimator
+from habilis.estimators.protocol import Fitted as Fitted
+from habilis.estimators.protocol import Simulator as Simulator
+
+from . import simulators as simulators
+
+__all__: list[str]

@@ -1,0 +1,118 @@
+"""A table as a simulator."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from habilis.estimators.protocol import Random
+from habilis.mdp import TabularMDP
+from habilis.transitions import Transitions
+
+
+class FiniteSimulator:
+    """A table as a simulator: a state is its index, float[n, 1], an action too.
+
+    The observation is the state's index, then the label of each factor; the names are those of the
+    factors ("object" stands for "object:can" where that is the only object).
+
+    Attributes:
+        mdp: the table.
+        actions: float64[A, 1], the indices of the actions.
+        names: the factors' entries of the observation.
+
+    Example:
+        >>> ring = TabularMDP.deterministic([[(s - 1) % 5, (s + 1) % 5] for s in range(5)])
+        >>> FiniteSimulator(ring).step(np.array([[0.0], [4.0]]), np.array([[1.0], [1.0]])).tolist()
+        [[1.0], [0.0]]
+    """
+
+    in_jax = False
+    is_finite = True
+
+    def __init__(self, mdp: TabularMDP):
+        """
+        Args:
+            mdp: the table, deterministic or stochastic.
+
+        Raises:
+            ValueError: some action is not available in some state: a simulator takes every action
+                in every state.
+        """
+        if not mdp.always_available:
+            state, action = np.argwhere(~mdp.available)[0]
+            raise ValueError(
+                f"action {action} is not available in state {state}; a simulator needs every "
+                "action everywhere: give a table in which it leads somewhere"
+            )
+        self.mdp = mdp
+        self.actions = np.arange(mdp.action_count, dtype=np.float64)[:, None]
+        self.names: Mapping[str, int] = _columns(mdp)
+        self._transitions = Transitions.of(mdp)
+        labels = [np.arange(mdp.states), *mdp.factors.values()]
+        self._observations = np.stack(labels, axis=1).astype(np.float64)
+
+    @property
+    def is_stochastic(self) -> bool:
+        """Whether some action has more than one possible outcome."""
+        return self.mdp.is_stochastic
+
+    def step(
+        self,
+        states: Float64[np.ndarray, "n 1"],
+        actions: Float64[np.ndarray, "n 1"],
+        key: Random = None,
+    ) -> Float64[np.ndarray, "n 1"]:
+        """One step of many states at once.
+
+        Args:
+            states: indices.
+            actions: indices, one for each.
+            key: a NumPy generator; `None` of a deterministic table.
+
+        Returns:
+            The next states.
+        """
+        count = self.mdp.action_count
+        choice = states[:, 0].astype(np.int64) * count + actions[:, 0].astype(np.int64)
+        draw = key.random(len(choice)) if self.is_stochastic else None
+        made = self._transitions.drawn(choice, draw)
+        return self._transitions.next_state[made].astype(np.float64)[:, None]
+
+    def observe(self, states: Float64[np.ndarray, "n 1"]) -> Float64[np.ndarray, "n o"]:
+        """The observations of states.
+
+        Args:
+            states: indices.
+
+        Returns:
+            Index and labels, one state a row.
+        """
+        return self._observations[states[:, 0].astype(np.int64)]
+
+    def random_states(
+        self, count: int, generator: np.random.Generator
+    ) -> Float64[np.ndarray, "n 1"]:
+        """States drawn uniformly.
+
+        Args:
+            count: n.
+            generator: to draw from.
+
+        Returns:
+            Indices.
+        """
+        return generator.integers(self.mdp.states, size=(count, 1)).astype(np.float64)
+
+
+def _columns(mdp: TabularMDP) -> dict[str, Any]:
+    """The entry of each factor by its name, and by what only it begins with."""
+    columns = {name: index + 1 for index, name in enumerate(mdp.factors)}
+    kinds = [name.partition(":")[0] for name in mdp.factors]
+    short = {
+        kind: columns[name]
+        for kind, name in zip(kinds, mdp.factors, strict=True)
+        if kinds.count(kind) == 1
+    }
+    return short | columns
