@@ -175,9 +175,14 @@ def effective_empowerment(
 
 
 def checked_policy(
-    mdp: TabularMDP, policy: ArrayLike | Literal["uniform"]
+    mdp: TabularMDP, policy: ArrayLike | Literal["uniform"], name: str = "policy"
 ) -> Float64[np.ndarray, "S A"]:
     """A policy as probabilities of available actions.
+
+    Args:
+        mdp: the table.
+        policy: as in `effective_empowerment`.
+        name: what the error calls it.
 
     Raises:
         ValueError: as `effective_empowerment` says of it.
@@ -190,20 +195,20 @@ def checked_policy(
         )
     if isinstance(policy, str):
         if policy != "uniform":
-            raise ValueError(f"policy is {policy!r}; give 'uniform' or float[S, A]")
+            raise ValueError(f"{name} is {policy!r}; give 'uniform' or float[S, A]")
         return available / available.sum(axis=1, keepdims=True)
-    given = as_array("policy", policy)
+    given = as_array(name, policy)
     wanted = mdp.states, mdp.action_count
     if given.shape != wanted:
         raise ValueError(
-            f"policy has shape {given.shape}; give float[states, actions], here {wanted}"
+            f"{name} has shape {given.shape}; give float[states, actions], here {wanted}"
         )
-    chosen = row_stochastic("policy", given, "state {}", "states").toarray()
+    chosen = row_stochastic(name, given, "state {}", "states").toarray()
     outside = np.argwhere((chosen > 0) & ~available)
     if len(outside):
         state, action = outside[0]
         raise ValueError(
-            f"policy has {chosen[state, action]:g} for action {action} in state {state}, which is "
+            f"{name} has {chosen[state, action]:g} for action {action} in state {state}, which is "
             "not available there; give 0"
         )
     return chosen
