@@ -110,7 +110,7 @@ def test_it_is_no_lower_bound_of_closed_loop_empowerment():
     assert hb.closed_loop_empowerment(diamond, 2, states=[0]).tolist() == [0]
 
 
-@settings(deadline=None, max_examples=10)
+@settings(deadline=None, max_examples=4)
 @given(st.integers(0, 10_000))
 def test_it_is_at_most_the_mean_of_the_closed_loop_empowerments_on_the_way(seed):
     _, _, mdp, rng = random_model(seed, states=3)
