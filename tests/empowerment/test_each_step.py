@@ -88,9 +88,8 @@ def test_long_counts_do_not_overflow():
     [
         ({"sensor_at": "start"}, "sensor_at is 'start'; use 'end' or 'each step'"),
         ({"sensor": "state * state"}, "with the observations of each step give one alone"),
-        ({"method": hb.Sampled()}, "which goes with method=hb.Exact"),
+        ({"method": hb.Sampled()}, "each step needs every sequence; use method=hb.Exact"),
         ({"budget": 1}, "budget is given without cost; give both, or neither"),
-        ({"budget": 1, "cost": np.ones((2, 2))}, "'each step', which has no budget; leave out"),
         (
             {"horizon": 30, "sensor": np.full((2, 2), 0.5), "method": hb.Exact(max_gib=0.001)},
             "the largest horizon that fits is",

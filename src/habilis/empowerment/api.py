@@ -15,7 +15,7 @@ from habilis.empowerment.arguments import (
     per_bit,
     whole_number,
 )
-from habilis.empowerment.budget import is_budgeted, within_budget
+from habilis.empowerment.budget import is_budgeted, mean_costs, within_budget
 from habilis.empowerment.combined import check_single, combined_with_gaps
 from habilis.empowerment.initial_beliefs import are_beliefs, with_beliefs
 from habilis.empowerment.methods import Exact, Method, Sampled, checked_method
@@ -209,20 +209,15 @@ def empowerment(
     if sensor_at not in ("end", "each step"):
         raise ValueError(f"sensor_at is {sensor_at!r}; use 'end' or 'each step'")
     budgeted = is_budgeted(cost, budget)
-    if sensor_at == "each step":
-        if budgeted:
-            raise ValueError("sensor_at is 'each step', which has no budget; leave out cost")
-        bits, gap = _of_trajectories(
-            mdp, horizon, sensor, used, states, method, scale, show_progress
-        )
-        return (bits, gap) if return_gap else bits
-    if budgeted:
-        some = mdp, horizon, sensor, used, states, cost, budget, method, scale, show_progress
-        bits, gap = _budgeted(*some)
-        return (bits, gap) if return_gap else bits
     if are_beliefs(states):
         options: Options = {"method": method, "unit": unit, "show_progress": show_progress}
-        return _from_beliefs(mdp, horizon, sensor, used, states, return_gap, options)
+        output = sensor_at, cost, budget
+        bits, gap = _from_beliefs(mdp, horizon, sensor, used, states, output, options)
+        return (bits, gap) if return_gap else bits
+    if budgeted or sensor_at == "each step":
+        some = mdp, horizon, sensor, used, states, sensor_at, cost, budget, method, scale
+        bits, gap = _written_out(*some, show_progress)
+        return (bits, gap) if return_gap else bits
     starts = chosen_states(mdp, states)
 
     def through(one: Sensor) -> tuple[Bits, Bits]:
@@ -259,57 +254,35 @@ def _estimated(
     return estimated_bits(*some, show_progress=show_progress) * per_bit(unit)
 
 
-def _of_trajectories(
+def _written_out(
     mdp: TabularMDP,
     horizon: int,
     sensor: Sensor,
     actions: Int64[np.ndarray, "A"],
     states: Any,
-    method: Method,
-    scale: float,
-    show_progress: bool,
-) -> tuple[Bits, Bits]:
-    """Empowerment over the observations of every step."""
-    from habilis.empowerment.each_step import of_trajectories
-
-    if not isinstance(method, Exact) or are_beliefs(states):
-        raise ValueError(
-            "sensor_at is 'each step', which goes with method=hb.Exact() and with states, not with "
-            "distributions over them"
-        )
-    check_single(mdp, sensor, "the observations of each step")
-    tolerance, starts = method.tolerance / scale, chosen_states(mdp, states)
-    some = mdp, horizon, sensor, actions, starts, tolerance, method.limits
-    with progress_bar("empowerment", show_progress) as report:
-        bits, gap = of_trajectories(*some, report)
-    if (gap > tolerance).any():
-        warn_of_gap(float(gap.max()), tolerance)
-    return bits * scale, gap * scale
-
-
-def _budgeted(
-    mdp: TabularMDP,
-    horizon: int,
-    sensor: Sensor,
-    actions: Int64[np.ndarray, "A"],
-    states: Any,
+    sensor_at: SensorAt,
     cost: ArrayLike | None,
     budget: Any,
     method: Method,
     scale: float,
     show_progress: bool,
 ) -> tuple[Curves, Curves]:
-    """Empowerment within a budget, of one sensor, exactly."""
+    """Empowerment within a budget, or over the observations of every step, of one sensor."""
+    from habilis.empowerment.each_step import of_trajectories
+
+    each_step, budgeted = sensor_at == "each step", cost is not None
+    what = "a budget" if budgeted else "the observations of each step"
     if not isinstance(method, Exact):
-        raise ValueError("a budget needs every sequence; use method=hb.Exact()")
-    check_single(mdp, sensor, "a budget")
-    if are_beliefs(states):
-        raise ValueError("states are distributions; with a budget give states")
-    tolerance = method.tolerance / scale
-    starts = chosen_states(mdp, states)
-    some = mdp, horizon, sensor, actions, starts, cost, budget, tolerance, method.limits
-    with progress_bar("capacities", show_progress) as report:
-        bits, gap = within_budget(*some, report)
+        raise ValueError(f"{what} needs every sequence; use method=hb.Exact()")
+    check_single(mdp, sensor, what)
+    tolerance, starts = method.tolerance / scale, chosen_states(mdp, states)
+    asked = mdp, horizon, sensor, actions, starts
+    with progress_bar("empowerment", show_progress) as report:
+        if budgeted:
+            found = within_budget(*asked, each_step, cost, budget, tolerance, method.limits, report)
+        else:
+            found = of_trajectories(*asked, tolerance, method.limits, report)
+    bits, gap = found
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return bits * scale, gap * scale
@@ -321,17 +294,21 @@ def _from_beliefs(
     sensor: Sensor,
     actions: Int64[np.ndarray, "A"],
     beliefs: Any,
-    return_gap: bool,
+    output: tuple[SensorAt, ArrayLike | None, Any],
     options: Options,
-) -> Bits | tuple[Bits, Bits]:
+) -> tuple[Curves, Curves]:
     """Empowerment where the agent only has a distribution over states."""
+    sensor_at, cost, budget = output
+    if cost is not None or sensor_at != "end":
+        check_single(mdp, sensor, "a budget" if cost is not None else "each step's observations")
 
-    def through(one: Sensor) -> tuple[Bits, Bits]:
+    def through(one: Sensor) -> tuple[Curves, Curves]:
         larger, seen, states = with_beliefs(mdp, one, beliefs)
-        return empowerment(larger, horizon, seen, actions, states, return_gap=True, **options)
+        costs = None if cost is None else mean_costs(mdp, cost, beliefs)
+        kept: Any = {"sensor_at": sensor_at, "cost": costs, "budget": budget, **options}
+        return empowerment(larger, horizon, seen, actions, states, return_gap=True, **kept)
 
-    bits, gap = combined_with_gaps(mdp, sensor, through)
-    return (bits, gap) if return_gap else bits
+    return combined_with_gaps(mdp, sensor, through)
 
 
 def _around(

@@ -16,6 +16,7 @@ from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
 from habilis.checks import is_number
+from habilis.empowerment.each_step import cheapest, written_out
 from habilis.empowerment.limits import Limits, too_much
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor
@@ -27,7 +28,6 @@ Channel = Float64[np.ndarray, "K O"]
 Costs = Float64[np.ndarray, "K"]
 
 _LN2 = float(np.log(2))
-_DIGITS = 12  # to which outcomes are compared
 _HALVINGS = 80
 
 
@@ -37,6 +37,7 @@ def within_budget(
     sensor: Sensor,
     actions: Int64[np.ndarray, "A"],
     states: Int64[np.ndarray, "n"],
+    each_step: bool,
     cost: ArrayLike | None,
     budget: Any,
     tolerance: float,
@@ -47,6 +48,7 @@ def within_budget(
 
     Args:
         mdp, horizon, sensor, actions, states: as in `empowerment`.
+        each_step: whether the output is the sequence of observations, and not the last alone.
         cost: float[S, A], 0 or more, of each action in each state.
         budget: one, or several in a sequence.
         tolerance: the gap to reach, in bits.
@@ -66,13 +68,16 @@ def within_budget(
     bits, gaps = np.zeros((2, len(asked), len(budgets)))
     for number, start in enumerate(asked.tolist()):
         report(number * len(budgets), bits.size)
-        channel, costs = priced_channel(mdp, moves, seen, start, horizon, actions, each, limits)
+        if each_step:
+            channel, costs = written_out(mdp, sensor, start, horizon, actions, limits, each)
+        else:
+            channel, costs = priced_channel(mdp, moves, seen, start, horizon, actions, each, limits)
         if not len(costs):
             continue  # no sequence can surely be carried out
         if costs.min() > budgets.min():
             raise ValueError(
                 f"budget is {budgets.min():g}, but the cheapest sequence of {horizon} actions from "
-                f"state {start} costs {costs.min():g}; give at least that"
+                f"states[{list(states).index(start)}] costs {costs.min():g}; give at least that"
             )
         for column, most in enumerate(budgets.tolist()):
             found = capacity_within(channel, costs, most, tolerance * _LN2)
@@ -105,6 +110,12 @@ def checked_cost(mdp: TabularMDP, cost: ArrayLike | None) -> Float64[np.ndarray,
             "numbers from 0 up"
         )
     return given
+
+
+def mean_costs(mdp: TabularMDP, cost: ArrayLike, beliefs: Any) -> Float64[np.ndarray, "more A"]:
+    """Costs with further rows, of distributions over states: the mean cost of each action."""
+    each = checked_cost(mdp, cost)
+    return np.concatenate([each, beliefs @ each])
 
 
 def checked_budgets(budget: Any) -> Float64[np.ndarray, "k"]:
@@ -147,23 +158,9 @@ def priced_channel(
         if sum(map(len, prices)) * len(reached) * 8 > limits.gib * 2**30:
             raise too_much(horizon, step, limits)
         mixed = np.concatenate([b @ after[:, reached].toarray() for b, after in rows])
-        beliefs, costs = _cheapest(mixed, np.concatenate(prices))
+        beliefs, costs = cheapest(mixed, np.concatenate(prices))
         layer = reached
     return beliefs, costs
-
-
-def _cheapest(
-    rows: Channel, costs: Costs
-) -> tuple[Float64[np.ndarray, "k O"], Float64[np.ndarray, "k"]]:
-    """Distinct rows, each with its least cost."""
-    if not len(rows):
-        return rows, costs
-    _, first, group = np.unique(
-        np.round(rows, _DIGITS), axis=0, return_index=True, return_inverse=True
-    )
-    least = np.full(len(first), np.inf)
-    np.minimum.at(least, group.ravel(), costs)
-    return rows[first], least
 
 
 def capacity_within(

@@ -31,6 +31,8 @@ from habilis.empowerment.sensors import (
 from habilis.mdp import TabularMDP
 
 Bits = Float64[np.ndarray, "n"]
+Channel = Float64[np.ndarray, "K O"]
+Costs = Float64[np.ndarray, "K"]
 
 _LN2 = float(np.log(2))
 _DIGITS = 12  # to which rows are compared
@@ -67,7 +69,7 @@ def of_trajectories(
     else:
         for number, start in enumerate(asked.tolist()):
             report(number, len(asked))
-            rows = written_out(mdp, sensor, start, horizon, actions, limits)
+            rows, _ = written_out(mdp, sensor, start, horizon, actions, limits)
             if len(rows) > 1 and rows.shape[1] > 1:
                 _, found = best_inputs(rows, tolerance * _LN2)
                 bits[number], gaps[number] = found.lower / _LN2, found.gap / _LN2
@@ -116,15 +118,22 @@ def written_out(
     horizon: int,
     actions: Int64[np.ndarray, "A"],
     limits: Limits,
-) -> Float64[np.ndarray, "K O"]:
-    """The channel from sequences of actions to sequences of observations, its distinct rows."""
+    cost: Float64[np.ndarray, "S A"] | None = None,
+) -> tuple[Channel, Costs]:
+    """The channel from sequences of actions to sequences of observations.
+
+    Returns:
+        Its distinct rows, and the least mean cost of each.
+    """
     seen, moves = observation_probabilities(mdp, sensor), moves_of(mdp.transitions)
     by_action = is_by_action(sensor)
     layer, held = np.array([start]), np.ones((1, 1, 1))  # [sequences, histories, states]
+    costs = np.zeros(1)
     for step in range(horizon):
         available = mdp.available[layer]
         possible = held.sum(axis=1) > 0
         parts: list[Any] = []
+        prices = []
         columns = [moves[layer * mdp.action_count + a].indices for a in actions.tolist()]
         reached = np.unique(np.concatenate(columns))
         shown = seen[reached] if not by_action else None
@@ -142,12 +151,24 @@ def written_out(
             of = seen[reached + action * mdp.states] if shown is None else shown
             through = of[:, outputs].toarray()  # [states, observations]
             came = held[sure] @ after
+            price = np.zeros(len(layer)) if cost is None else cost[layer, action]
+            prices.append(costs[sure] + held[sure].sum(axis=1) @ price)
             parts.append((came[:, :, None, :] * through.T).reshape(len(came), -1, len(reached)))
-        held = np.concatenate(parts)
+        held, costs = np.concatenate(parts), np.concatenate(prices)
         held = np.ascontiguousarray(held[:, held.any(axis=(0, 2))])
         layer = reached
-    rows = held.sum(axis=2)
+    return cheapest(held.sum(axis=2), costs)
+
+
+def cheapest(
+    rows: Channel, costs: Costs
+) -> tuple[Float64[np.ndarray, "k O"], Float64[np.ndarray, "k"]]:
+    """Distinct rows, each with its least cost."""
     if not len(rows):
-        return rows
-    _, first = np.unique(np.round(rows, _DIGITS), axis=0, return_index=True)
-    return np.ascontiguousarray(rows[first])
+        return rows, costs
+    _, first, group = np.unique(
+        np.round(rows, _DIGITS), axis=0, return_index=True, return_inverse=True
+    )
+    least = np.full(len(first), np.inf)
+    np.minimum.at(least, group.ravel(), costs)
+    return rows[first], least
