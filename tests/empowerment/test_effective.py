@@ -63,6 +63,16 @@ def test_it_is_the_information_of_the_summed_channel(seed, discount, first_step,
     assert (abs(bits - expected) <= gap + 1e-12).all()
 
 
+@pytest.mark.parametrize("first_step", [0, 1])
+def test_a_discount_of_next_to_nothing_is_none(first_step):
+    for seed in range(4):
+        P, policy, W = random_model(seed, 3)
+        mdp = hb.TabularMDP.stochastic(P, axes="SAS")
+        found = effective_empowerment(mdp, policy, 5e-324, W, first_step=first_step)
+        expected = effective_empowerment(mdp, policy, 0, W, first_step=first_step)
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
 @pytest.mark.parametrize("discount", [0.97, 0.999])
 def test_slow_dynamics_are_solved_to_the_gap(discount):
     """Two rings of 40 states each, between which a policy hardly ever passes; 20 labels."""

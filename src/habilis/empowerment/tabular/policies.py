@@ -201,7 +201,7 @@ def add_information(at_once, seen, moves, discounted, weights, policy, states, n
         for action in range(actions):
             if policy[state, action] > 0:
                 for o in range(len(mean)):
-                    if rows[action, o] > 0:
+                    if rows[action, o] > 0 and mean[o] > 0:  # it may underflow
                         ratio = np.log(rows[action, o] / mean[o])
                         total += policy[state, action] * rows[action, o] * ratio
         nats[place] += total
