@@ -5,10 +5,10 @@ import subprocess
 import sys
 from ctypes.util import find_library
 from types import SimpleNamespace
+from typing import Any
 
 import gymnasium
 import jax
-import mujoco
 import numpy as np
 import pytest
 
@@ -17,6 +17,8 @@ from habilis.estimators import ActionBox, simulators
 from habilis.estimators.rollouts import outcomes_of, roll_out
 from habilis.estimators.sensors import reading
 from habilis.worlds.pictures import save_picture
+
+mujoco: Any = pytest.importorskip("mujoco")  # its stubs are incomplete
 
 SLIDER = """
 <mujoco>
@@ -169,7 +171,7 @@ def test_mujocos_sensors_are_those_of_the_state_itself():
         np.array([[0.1, 0.2, 0.0], [0.5, 0.0, 0.0]])
     )
     assert np.array_equal(reading(simulator, "y velocity")(states), states[:, [3]])
-    box = simulator.actions
+    box: Any = simulator.actions
     assert np.array_equal(box.high, [1.0, np.inf])
     assert not box.is_bounded
 
@@ -203,7 +205,7 @@ print(here.shape, np.array_equal(here, there))
 def test_gymnasiums_environments_move_as_mujoco_does():
     environment = gymnasium.make("Reacher-v5")
     simulator = simulators.gymnasium_simulator(environment)
-    inside = environment.unwrapped
+    inside: Any = environment.unwrapped
     environment.reset(seed=3)
     state = np.concatenate([inside.data.qpos, inside.data.qvel])
     action = np.array([0.4, -0.2], np.float32)
@@ -213,9 +215,7 @@ def test_gymnasiums_environments_move_as_mujoco_does():
 
 
 def test_an_environment_whose_wrapper_changes_actions_is_refused():
-    wrapped = gymnasium.wrappers.TransformAction(
-        gymnasium.make("Reacher-v5"), lambda action: -action, None
-    )
+    wrapped = gymnasium.wrappers.TransformAction(gymnasium.make("Reacher-v5"), np.negative, None)
     with pytest.raises(ValueError, match="away from where MuJoCo does"):
         simulators.gymnasium_simulator(wrapped)
     with pytest.raises(ValueError, match="FrozenLakeEnv is no MuJoCo environment"):

@@ -39,7 +39,8 @@ class Simulator(Protocol):
     - `noise`: q, how many independent standard normal numbers a step draws, and
       `transition(states, actions, noise)`: the same step with these numbers, float[n, q], instead
       of a key. `Gaussian` needs both of a stochastic simulator.
-    - `is_linear`: whether a step is a linear function of state, action and noise.
+    - `is_linear`: whether a step is a linear function of state, action and noise, and an
+      observation one of the state.
     - `is_finite`: whether observations are whole numbers that stand for something, such as the
       states of a table.
     - `random_states(count, generator)`: float[count, d], states to fit a model to.

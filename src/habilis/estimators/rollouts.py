@@ -88,6 +88,35 @@ def roll_out(
     return _checked(last, states)
 
 
+def roll_out_with(
+    simulator: Simulator,
+    states: Float64[np.ndarray, "n d"],
+    sequences: Float64[np.ndarray, "n h k"],
+    noise: Float64[np.ndarray, "n h q"],
+) -> Float64[np.ndarray, "n d"]:
+    """The states that sequences lead to with given noise.
+
+    Args:
+        simulator: one of NumPy with `noise` and `transition`.
+        states: where each sequence begins.
+        sequences: one for each state.
+        noise: standard normal numbers, for each step.
+
+    Returns:
+        The last states.
+
+    Raises:
+        ValueError: as in `roll_out`.
+    """
+    last: Any = states
+    for step in range(sequences.shape[1]):
+        last = simulator.transition(  # pyright: ignore[reportAttributeAccessIssue]
+            last, sequences[:, step], noise[:, step]
+        )
+    _report(simulator, sequences.shape[0] * sequences.shape[1])
+    return _checked(last, states)
+
+
 def compiled_scan(simulator: Simulator) -> Callable[..., Any]:
     """`scan` of one simulator, compiled for each shape once, in double precision.
 

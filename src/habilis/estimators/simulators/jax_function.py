@@ -29,7 +29,8 @@ class JaxSimulator:
         observation: of one state, the observation; by default the state itself.
         names: of entries of the observation: an index, a list of indices or a slice by name.
         low, high: float[d], between which `random_states` draws; without them there are none.
-        is_linear: whether the function is linear in state, action and noise.
+        is_linear: whether the function is linear in state, action and noise, and the observation
+            in the state.
         draw: a picture of one state, see `at`.
         name: what messages and pictures call it.
 
