@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import polars as pl
 import pytest
 
 import habilis as hb
@@ -39,11 +40,38 @@ def test_the_command_line_has_every_kind(tmp_path, capsys):
     for kind in KINDS:
         command = ["landscape", str(path), "--horizon", "2", "--sensor", "object", "--json"]
         assert main([*command, "--kind", kind, *options.get(kind, [])]) == 0
-        shown = json.loads(capsys.readouterr().out)["values"]
-        found = hb.landscape(
-            hb.World.parse(MAP), 2, "object", kind=kind, **SETTINGS.get(kind, {})
-        ).values
-        np.testing.assert_allclose(np.array(shown, float), found)
+        shown = json.loads(capsys.readouterr().out)
+        settings = SETTINGS.get(kind, {})
+        found = hb.landscape(hb.World.parse(MAP), 2, "object", kind=kind, **settings)
+        np.testing.assert_allclose(np.array(shown.pop("values"), float), found.values)
+        if found.gap is not None:
+            np.testing.assert_allclose(np.array(shown.pop("gap"), float), found.gap)
+        assert shown == ({} if kind == "open-loop" else {"kind": kind, **settings})
+
+
+@pytest.mark.parametrize(("kind", "slip"), [*((kind, 0.0) for kind in KINDS), ("closed-loop", 0.1)])
+def test_tables_carry_the_kind_with_its_settings_and_the_gap(kind, slip, tmp_path):
+    settings = SETTINGS.get(kind, {})
+    found = hb.landscape(hb.World.parse(MAP), 1, "object", kind=kind, slip=slip, **settings)
+    noisy = slip > 0 or kind == "effective"
+    named = {} if kind == "open-loop" else {"kind": kind, **settings}
+    table = found.to_dataframe()
+    assert table.columns == ["row", "column", "bits", *(["gap"] if noisy else []), *named]
+    assert table.filter(pl.col("bits").is_not_null()).height == np.isfinite(found.values).sum()
+    for name, value in named.items():
+        assert set(table[name]) == {value}
+    if noisy:
+        assert (table["gap"].drop_nulls() <= 1e-6).all()
+        assert (table["gap"].is_null() == table["bits"].is_null()).all()
+    found.save(tmp_path / "found.csv")
+    found.save(tmp_path / "found.npz")
+    assert pl.read_csv(tmp_path / "found.csv").columns == table.columns
+    assert list(np.load(tmp_path / "found.npz")) == table.columns
+
+
+def test_goal_directed_landscapes_name_their_slack_of_0():
+    found = hb.landscape(hb.World.parse(MAP), 1, "object", kind="goal-directed")
+    assert found.settings == {"kind": "goal-directed", "slack": 0}
 
 
 @pytest.mark.parametrize(

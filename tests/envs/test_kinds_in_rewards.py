@@ -1,6 +1,7 @@
 """Kinds of empowerment in rewards: of our trainer, and of any environment."""
 
 import gymnasium
+import minigrid  # noqa: F401 (registers its environments)
 import numpy as np
 import pytest
 
@@ -57,3 +58,57 @@ def test_a_horizon_goes_with_its_kind(settings, message):
 def test_an_environment_refuses_a_horizon_that_the_kind_does_not_have():
     with pytest.raises(ValueError, match="horizon is 3 and sensor 'effective:agent', which has"):
         hb.EmpowermentReward(gymnasium.make("FrozenLake-v1"), 3, "effective:agent", beta=0.5)
+
+
+LAKE = hb.TabularMDP.from_gymnasium(gymnasium.make("FrozenLake-v1"))
+
+
+def leaning(mdp):
+    """A policy that is not uniform."""
+    policy = np.arange(1.0, mdp.states * mdp.action_count + 1).reshape(mdp.states, -1)
+    return policy / policy.sum(axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("policy", [leaning(LAKE), leaning])
+def test_an_environments_values_follow_a_policy(policy):
+    env = hb.EmpowermentReward(
+        gymnasium.make("FrozenLake-v1"), 0, "effective:agent", beta=0.5, discount=0.9
+    )
+    env.follow(policy)
+    _, info = env.reset(seed=0)
+    values = hb.effective_empowerment(LAKE, leaning(LAKE), 0.9, "agent")
+    assert info["empowerment"] == pytest.approx(values[0])
+
+
+def test_layouts_that_appear_later_follow_the_policy_too():
+    def lavagap():
+        env = gymnasium.make("MiniGrid-LavaGapS5-v0")
+        return hb.EmpowermentReward(env, 0, "effective:agent", beta=0.5, discount=0.5)
+
+    env, other = lavagap(), lavagap()
+    env.follow(leaning)  # it knows the layout of seed 0
+    later = env.reset(seed=3)[1]["empowerment"]
+    uniform = other.reset(seed=3)[1]["empowerment"]
+    other.follow(leaning)
+    assert later == pytest.approx(other.reset(seed=3)[1]["empowerment"])
+    assert later != pytest.approx(uniform)
+
+
+@pytest.mark.parametrize("vectorised", ["ours", "sync"])
+def test_vector_environments_follow_it_as_one_does(vectorised):
+    ours = vectorised == "ours"
+    name = "habilis/Yard-v0" if ours else "FrozenLake-v1"
+    mode = "vector_entry_point" if ours else "sync"
+    envs = gymnasium.make_vec(name, num_envs=2, vectorization_mode=mode)
+    envs = hb.EmpowermentReward(envs, 0, "effective:agent", beta=0.5, discount=0.5)
+    one = hb.EmpowermentReward(gymnasium.make(name), 0, "effective:agent", beta=0.5, discount=0.5)
+    for some in (envs, one):
+        some.follow(leaning)
+    both = envs.reset(seed=0)[1]["empowerment"]
+    assert both[0] == pytest.approx(one.reset(seed=0)[1]["empowerment"])
+
+
+def test_only_effective_empowerment_follows_a_policy():
+    env = hb.EmpowermentReward(gymnasium.make("FrozenLake-v1"), 2, "state", beta=0.5)
+    with pytest.raises(ValueError, match="sensor is 'state', which no policy changes"):
+        env.follow(leaning)

@@ -12,10 +12,17 @@ from numpy.typing import ArrayLike
 from habilis.analysis.landscape_states import PlainMap, asked, asked_of_model, asked_of_puzzle
 from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.empowerment.api import Options
-from habilis.empowerment.kinds import EFFECTIVE, OPEN_LOOP, WHOLE, checked_kind, of_kind
+from habilis.empowerment.kinds import (
+    EFFECTIVE,
+    GOAL_DIRECTED,
+    OPEN_LOOP,
+    WHOLE,
+    checked_kind,
+    of_kind,
+)
 from habilis.empowerment.methods import Exact, bounds_of
 from habilis.empowerment.old_keywords import takes_old_keywords
-from habilis.empowerment.sensors import Sensor
+from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel
@@ -45,12 +52,21 @@ class Landscape:
         world: the map, with tool and object where they were put; or the puzzle.
         unit: "bits" or "nats".
         title: what was measured, as a picture says it.
+        kind: of empowerment, as in `landscape`.
+        discount: of effective empowerment.
+        slack: of goal-directed empowerment.
+        gap: float64[rows, columns], by how much the true values may differ at most, in `unit`;
+            `None` where values are counts, without noise.
     """
 
     values: Float64[np.ndarray, "rows columns"]
     world: World | PushWorld | PlainMap
     unit: str = "bits"
     title: str = ""
+    kind: str = OPEN_LOOP
+    discount: float | None = None
+    slack: int | None = None
+    gap: Float64[np.ndarray, "rows columns"] | None = None
 
     def draw(
         self,
@@ -84,20 +100,35 @@ class Landscape:
         )
 
     def to_dataframe(self) -> "pl.DataFrame":
-        """One row a cell: row, column, and the value, null where there is none."""
+        """One row a cell: row, column, and the value, null where there is none.
+
+        Besides, where they apply: the gap; and of a kind other than open loop its name, its
+        discount and its slack.
+        """
         import polars as pl
 
         row, column = np.indices(self.values.shape).reshape(2, -1)
-        table = pl.DataFrame({"row": row, "column": column, self.unit: self.values.ravel()})
-        return table.with_columns(pl.col(self.unit).fill_nan(None))
+        measured = {self.unit: self.values} | ({} if self.gap is None else {"gap": self.gap})
+        columns = {name: values.ravel() for name, values in measured.items()}
+        table = pl.DataFrame({"row": row, "column": column, **columns})
+        settings = {name: pl.lit(value) for name, value in self.settings.items()}
+        return table.with_columns(pl.col(*columns).fill_nan(None), **settings)
+
+    @property
+    def settings(self) -> dict[str, str | float | int]:
+        """The kind and its settings, by name; of open loop, nothing."""
+        if self.kind == OPEN_LOOP:
+            return {}
+        given = {"kind": self.kind, "discount": self.discount, "slack": self.slack}
+        return {name: value for name, value in given.items() if value is not None}
 
     def save(self, path: str | Path) -> None:
         """Writes the picture, or the values, by the file's suffix.
 
         Args:
             path: ends with .png, .svg or .pdf for the picture with its colour scale; with .csv,
-                .parquet or .npz for the columns row, column and value; or with .npy for the
-                values as they are, float64[rows, columns].
+                .parquet or .npz for the columns of `to_dataframe`; or with .npy for the values as
+                they are, float64[rows, columns].
 
         Raises:
             ValueError: another suffix, or the table cannot be written; nothing is written.
@@ -205,16 +236,24 @@ def landscape(
             raise ValueError(f"{type(model).__name__} is not a map; leave out tool, object and mdp")
         shown, mdp, states = asked_of_model(model, show)
         mdp = mdp.slippery(slip)
-    values = np.full(shown.height * shown.width, np.nan)
-    bits = of_kind(kind, mdp, horizon, sensor, actions, states, discount, slack, options)
-    values[mdp.factor("agent")[states]] = bits
-    bounds = bounds_of(options.get("method", Exact()))
+    values, gap = np.full((2, shown.height * shown.width), np.nan)
+    place = mdp.factor("agent")[states]
+    values[place], gap[place] = of_kind(
+        kind, mdp, horizon, sensor, actions, states, discount, slack, options
+    )
+    method = options.get("method", Exact())
+    counted = kind != EFFECTIVE and isinstance(method, Exact)
+    counted &= not mdp.is_stochastic and not is_noisy(sensor)
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
     found = Landscape(
         values=values.reshape(shown.height, shown.width),
         world=shown,
         unit=options.get("unit", "bits"),
-        title=f"{bounds}{_named(kind, horizon, discount)}{sensed}",
+        title=f"{bounds_of(method)}{_named(kind, horizon, discount)}{sensed}",
+        kind=kind,
+        discount=discount,
+        slack=(slack or 0) if kind == GOAL_DIRECTED else None,
+        gap=None if counted else gap.reshape(shown.height, shown.width),
     )
     if ax is not None:
         found.draw(ax)

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float64
 
 from habilis.cli.arguments import (
     Args,
@@ -64,10 +65,15 @@ def run(args: Args) -> int:
         with progress_bar("drawing", shows_progress(args)):
             save(args.out, found.save)
     if args.json:
-        rows = [[None if np.isnan(v) else v for v in row] for row in found.values.tolist()]
-        return print_json({"values": rows})
+        gap = {} if found.gap is None else {"gap": _rows(found.gap)}
+        return print_json({"values": _rows(found.values)} | gap | found.settings)
     for row in found.values:
         print(" ".join("    ." if np.isnan(value) else f"{value:5.2f}" for value in row))
     if args.out is not None:
         print_written(args.out)
     return 0
+
+
+def _rows(values: Float64[np.ndarray, "rows columns"]) -> list[list[float | None]]:
+    """Rows for JSON, null where there is no value."""
+    return [[None if np.isnan(value) else value for value in row] for row in values.tolist()]

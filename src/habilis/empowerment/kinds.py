@@ -7,6 +7,7 @@ from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.api import Options, empowerment
+from habilis.empowerment.arguments import per_bit
 from habilis.empowerment.methods import Exact
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import TabularMDP
@@ -47,16 +48,19 @@ def of_kind(
     discount: float | None,
     slack: int | None,
     options: Options,
-) -> Float64[np.ndarray, "n"]:
-    """Values of a kind; see the function of each.
+) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
+    """Values of a kind, and their gaps; see the function of each.
 
     Effective empowerment is that of the uniform policy, and has no horizon.
+
+    Returns:
+        In the unit of `options`; gaps are 0 where values are counts.
 
     Raises:
         ValueError: as there; or the kind does not know an option.
     """
     if kind == OPEN_LOOP:
-        return empowerment(mdp, horizon, sensor, actions, states, **options)
+        return empowerment(mdp, horizon, sensor, actions, states, return_gap=True, **options)
     method, unit = options.get("method", Exact()), options.get("unit", "bits")
     show = options.get("show_progress", False)
     if not isinstance(method, Exact):
@@ -66,6 +70,7 @@ def of_kind(
 
         return closed_loop_empowerment(
             *(mdp, horizon, sensor, states),
+            return_gap=True,
             actions=actions,
             tolerance=method.tolerance,
             unit=unit,
@@ -80,6 +85,7 @@ def of_kind(
         return effective_empowerment(
             *(mdp, "uniform", discount, sensor, states),
             tolerance=method.tolerance,
+            return_gap=True,
             unit=unit,
             show_progress=show,
         )
@@ -88,4 +94,4 @@ def of_kind(
     bits = goal_directed_empowerment(
         *(mdp, horizon, None, slack or 0, sensor, states), method=method, show_progress=show
     )
-    return bits if unit == "bits" else bits * np.log(2)
+    return bits * per_bit(unit), np.zeros(len(bits))

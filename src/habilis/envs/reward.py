@@ -24,7 +24,7 @@ from habilis.envs.tabulated_states import (
 )
 from habilis.envs.vector import TableVectorEnv
 from habilis.mdp import TabularMDP
-from habilis.rewards.measures import measured
+from habilis.rewards.measures import Policy, measured, under_policy
 from habilis.rewards.shaping import Bonus, regularised
 
 _EXACT = Exact()
@@ -90,7 +90,8 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
             horizon, sensor, actions: of the empowerment M, as in `habilis.empowerment`; sums and
                 products of several sensors, as "object:can + object:ball", are sensors too, and so
                 are other kinds of empowerment: "goal-directed:object", "closed-loop:object", and
-                "effective:object" with horizon 0, under the uniform policy with `discount`.
+                "effective:object" with horizon 0, with `discount` under the uniform policy, or
+                one that `follow` is given.
             beta: its weight, in reward a bit; it must be given.
             method: how M is found, as in `habilis.empowerment`.
             beta_schedule: "constant", "linear" or "exponential".
@@ -127,6 +128,21 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         measure = partial(_measured, horizon, sensor, discount, actions, method)
         self._states = tabulated_states(env, measure, max_states, Identity(None, ignore, state))
         self._position, self._taken = Position(env, self._states), 0
+        self._under = partial(_measured_under, sensor, discount, method)
+
+    def follow(self, policy: Policy) -> None:
+        """Computes effective empowerment anew, under the agent's policy.
+
+        To be called every so many updates; until then the policy is uniform.
+
+        Args:
+            policy: float[S, A], in the order of states of `TabularMDP.from_gymnasium`; or a
+                function from a table to that array, which environments with several layouts need.
+
+        Raises:
+            ValueError: the sensor is no effective empowerment, or the policy is none.
+        """
+        self._states.measure(partial(self._under, policy))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -192,10 +208,15 @@ class VectorEmpowermentReward(VectorWrapper):
         measure = partial(_measured, horizon, sensor, discount, actions, method)
         identity = Identity(None, ignore, state)
         self._states = _states_of(env.unwrapped, measure, max_states, identity)
+        self._under = partial(_measured_under, sensor, discount, method)
         self._mode = env.metadata.get("autoreset_mode", AutoresetMode.NEXT_STEP)
         self._taken = 0
         self._before = np.empty(0, np.int64)
         self._ended = np.zeros(self.num_envs, bool)
+
+    def follow(self, policy: Policy) -> None:
+        """Computes effective empowerment anew, as in `EmpowermentReward.follow`."""
+        self._states.measure(partial(self._under, policy))
 
     def reset(
         self,
@@ -248,6 +269,9 @@ class _OwnStates:
     def last(self, now: Any, ended: Any, info: dict[str, Any]) -> Any:
         return np.where(ended, info["final_info"]["state"], now)
 
+    def measure(self, measure: Measure) -> None:
+        self.values = measure(self._env.dynamics)
+
 
 class _Followed(gymnasium.Wrapper):
     """Follows where one of many environments is, also in episodes that end within a step."""
@@ -297,6 +321,9 @@ class _ManyStates:
     def last(self, now: Any, ended: Any, info: dict[str, Any]) -> Any:
         return np.where(ended, [env.position.reached for env in self._followed], now)
 
+    def measure(self, measure: Measure) -> None:
+        self._states.measure(measure)
+
 
 def _states_of(
     env: Any, measure: Measure, max_states: int, identity: Identity
@@ -322,6 +349,13 @@ def _measured(
     mdp: TabularMDP,
 ) -> Float64[np.ndarray, "S"]:
     return measured(mdp, horizon, sensor, discount, actions, method)
+
+
+@no_type_check
+def _measured_under(
+    sensor: Sensor, discount: float, method: Method, policy: Policy, mdp: TabularMDP
+) -> Float64[np.ndarray, "S"]:
+    return under_policy(mdp, sensor, discount, policy, method.tolerance)
 
 
 def _given(beta: float | None) -> float:

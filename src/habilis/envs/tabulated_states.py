@@ -40,6 +40,10 @@ class TabulatedStates(Protocol):
         """The states that an action may lead to."""
         ...
 
+    def measure(self, measure: Measure) -> None:
+        """Computes the values anew."""
+        ...
+
 
 def tabulated_states(
     env: Any, measure: Measure, max_states: int, identity: Identity
@@ -165,6 +169,9 @@ class _IndexedStates:
     def possible(self, state: int, action: int) -> Collection[int]:
         return self.table.after(state, action)
 
+    def measure(self, measure: Measure) -> None:
+        self.values = measure(self.table.mdp)
+
 
 class _EnumeratedStates:
     """The states of enumerated environments; further layouts are added as they appear."""
@@ -172,6 +179,7 @@ class _EnumeratedStates:
     def __init__(self, env: Any, measure: Measure, max_states: int, identity: Identity):
         self._measure, self._max_states, self._identity = measure, max_states, identity
         self._known: dict[Mark, int] = {}
+        self._tables: list[TabularMDP] = []
         self.values = np.empty(0)
         self._next_state = np.empty((0, action_count(env)), np.int64)
         self._add(env, seed=0)
@@ -180,6 +188,7 @@ class _EnumeratedStates:
         found = kept_states(env, self._max_states, seed, self._identity)
         first = len(self.values)
         self._known |= {mark: first + i for i, mark in enumerate(found.marks)}
+        self._tables.append(found.mdp)
         self.values = np.append(self.values, self._measure(found.mdp))
         self._next_state = np.append(self._next_state, first + found.mdp.next_state, axis=0)
 
@@ -199,3 +208,7 @@ class _EnumeratedStates:
 
     def possible(self, state: int, action: int) -> Collection[int]:
         return (int(self._next_state[state, action]),)
+
+    def measure(self, measure: Measure) -> None:
+        self._measure = measure
+        self.values = np.concatenate([measure(mdp) for mdp in self._tables])

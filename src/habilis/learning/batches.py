@@ -5,6 +5,7 @@ import itertools
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import replace
 from numbers import Integral
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from jaxtyping import Int
 
 from habilis.cache import cache_folder
 from habilis.files import check_folder
+from habilis.learning.intrinsic import FOLLOWED
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Log, advance
 from habilis.learning.runs import Gain, Progress, progress
@@ -199,6 +201,8 @@ def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _
     """A stretch of training, and what it adds to the records. Changes no record."""
     job = seats[0].job
     before, places = side_by_side(seats, width, device)
+    if job.program.intrinsic == FOLLOWED:
+        before = _following(before, seats, places)
     dynamics = jax.device_put(job.dynamics[0], device)
     lanes, log = advance(dynamics, before.settings, before.lanes, job.program)
     stack = Stack(device, before.settings, lanes)
@@ -211,6 +215,16 @@ def _advance(seats: list[Seat], width: int, device: Any, helpers: Executor) -> _
     # A few runs at a time: handing over each of them would cost as much as its sums.
     parts = np.array_split(range(len(seats)), min(-(-len(seats) // LANES), processors()))
     return _Advanced(stack, places, [gain for some in helpers.map(gains, parts) for gain in some])
+
+
+def _following(stack: Stack, seats: list[Seat], places: list[int]) -> Stack:
+    """The stack with the intrinsic values of the policies as they are, where these are due."""
+    updates, values = np.asarray(stack.lanes.updates), np.array(stack.lanes.novelty)
+    for (job, _), place in zip(seats, places, strict=True):
+        if updates[place] % job.config.policy_every == 0:
+            values[place] = job.followed(stack.lane(place).train_state)
+    lanes = stack.lanes._replace(novelty=jax.device_put(values, stack.device))
+    return replace(stack, lanes=lanes)
 
 
 def _gain(job: Job, run: int, log: Log, place: int, sound: bool) -> Gain | NotFiniteError:

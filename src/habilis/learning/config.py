@@ -67,6 +67,11 @@ class Config:
         'of the state); "rnd", random network distillation; or "none"',
     )
     horizon: int = setting(0, "horizon of that empowerment, in actions")
+    policy_every: int = setting(
+        0,
+        'with "effective:...": how many updates apart it is computed anew, under the agent\'s '
+        "policy; 0: once, under the uniform policy",
+    )
     beta: float = as_in(Bonus, "beta")
     beta_schedule: str = as_in(Bonus, "beta_schedule")
     beta_steps: int = as_in(Bonus, "beta_steps")
@@ -113,7 +118,9 @@ class Config:
         algorithm = ALGORITHMS.name_of(self.algorithm)
         if self.tool is not None and not isinstance(self.tool, str):
             raise ValueError(f"tool is {self.tool!r}; give its name")
-        at_least(self, horizon=0, runs=1, seed=0, episodes=1, steps=1, episode_limit=1)
+        at_least(
+            self, horizon=0, policy_every=0, runs=1, seed=0, episodes=1, steps=1, episode_limit=1
+        )
         at_least(self, starts=0, unseen=0, starts_seed=0)
         if (self.unseen or self.starts_seed) and not self.starts:
             raise ValueError(
@@ -154,6 +161,11 @@ class Config:
                     f"horizon is {self.horizon} and intrinsic {self.intrinsic!r}, which has none; "
                     "leave out the horizon"
                 )
+        elif self.policy_every:
+            raise ValueError(
+                f"policy_every is {self.policy_every} and intrinsic {self.intrinsic!r}, which no "
+                "policy changes; give an effective empowerment, such as 'effective:object'"
+            )
         elif measured and self.horizon < 1:
             raise ValueError(
                 f"intrinsic is {self.intrinsic!r} and horizon 0, so it is 0 everywhere; give a "

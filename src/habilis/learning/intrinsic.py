@@ -8,7 +8,7 @@ import numpy as np
 import optax
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
-from habilis.empowerment import empowerment
+from habilis.empowerment import Exact, empowerment
 from habilis.empowerment.combined import check_names
 from habilis.empowerment.kinds import OPEN_LOOP
 from habilis.learning.config import COUNT, DISTILLATION, NO_INTRINSIC, NOVELTIES, Config
@@ -16,8 +16,11 @@ from habilis.learning.dynamics import Dynamics
 from habilis.learning.networks import Inputs, Network
 from habilis.learning.rollout import Hyperparams
 from habilis.mdp import TabularMDP
-from habilis.rewards.measures import Named, measured
+from habilis.rewards.measures import Named, measured, under_policy
 from habilis.rewards.shaping import regularised
+
+FOLLOWED = "followed"
+"""The kind of reward whose table follows the agent's policy."""
 
 _FEATURES, _WIDTH = 16, 32  # of the networks that are distilled
 _RATE = 1e-3  # at which the one follows the other
@@ -35,21 +38,35 @@ class Distillation(NamedTuple):
 
 
 def kind_of(config: Config) -> str:
-    """Which of these a configuration asks for: "count", "rnd" or "table"."""
+    """Which of these a configuration asks for: "count", "rnd", "followed" or "table"."""
+    if config.policy_every:
+        return FOLLOWED
     return config.intrinsic if config.intrinsic in NOVELTIES else "table"
 
 
 def value_table(mdp: TabularMDP, config: Config) -> Float[np.ndarray, "S"]:
     """M, the empowerment of every state in bits, or 0 where a table is not what is asked for.
 
+    Where it follows the policy there is none before the first stretch of training.
+
     Of several sensors it is the sum, or the product, of their empowerments, as in `empowerment`.
     Where the world is stochastic, which takes far longer, it is kept on disk for the next time.
     """
-    if config.intrinsic in (NO_INTRINSIC, *NOVELTIES):
+    if config.intrinsic in (NO_INTRINSIC, *NOVELTIES) or config.policy_every:
         return np.zeros(mdp.states)
     if Named.of(config.intrinsic).kind == OPEN_LOOP and not mdp.is_stochastic:
         return empowerment(mdp, config.horizon, config.intrinsic)
     return measured(mdp, config.horizon, config.intrinsic, config.algorithm.discount)
+
+
+def followed_table(
+    mdp: TabularMDP, config: Config, policy: Float[np.ndarray, "S A"]
+) -> Float[np.ndarray, "S"]:
+    """The effective empowerment of every state under an agent's policy, in bits."""
+    there = np.where(mdp.available, np.asarray(policy, np.float64), 0)
+    there /= there.sum(axis=1, keepdims=True)
+    discount = config.algorithm.discount
+    return under_policy(mdp, config.intrinsic, discount, there, Exact().tolerance)
 
 
 def check_sensors(mdp: TabularMDP, intrinsic: str) -> None:
@@ -70,7 +87,7 @@ def weights(config: Config) -> dict[str, float]:
 
 def init(kind: str, dynamics: Dynamics, rows: int, key: PRNGKeyArray) -> Any:
     """The state of a reward that changes while it is earned."""
-    if kind == COUNT:
+    if kind in (COUNT, FOLLOWED):
         return jnp.zeros(dynamics.states)
     if kind == DISTILLATION:
         target, predictor = (
@@ -87,6 +104,8 @@ def values(
     """M of some states."""
     if kind == COUNT:
         return jax.lax.rsqrt(novelty[states] + 1)
+    if kind == FOLLOWED:
+        return novelty[states]
     if kind == DISTILLATION:
         return _distance(
             novelty.predictor, novelty.target, dynamics.inputs[states]

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -130,6 +131,17 @@ class Job:
         key = jax.random.fold_in(jax.random.key(self.config.seed), self.numbers[run])
         lanes = start_lanes(self.dynamics[0], self.program, key[None])
         return jax.tree.map(lambda leaf: np.asarray(leaf)[0], lanes)
+
+    def followed(self, train_state: Any) -> Float[np.ndarray, "S"]:
+        """The intrinsic value of every state under the policy of one of its runs.
+
+        Raises:
+            ValueError: a state has no action, so that a policy ends there.
+        """
+        dynamics = self.dynamics[0]
+        policy = np.asarray(self.config.algorithm.policy(dynamics, train_state.parameters))
+        values = intrinsic.followed_table(self.mdp, self.config, policy[: self.mdp.states])
+        return np.pad(values, (0, dynamics.states - self.mdp.states)).astype(np.float32)
 
     def result(self) -> Run:
         """The results, when all runs have ended."""

@@ -29,7 +29,7 @@ class Program:
 
     Attributes:
         algorithm: its static settings; all others are at their defaults here.
-        intrinsic: the kind of intrinsic reward, "table", "count" or "rnd".
+        intrinsic: the kind of intrinsic reward, "table", "followed", "count" or "rnd".
         rows: how many rows the first weights of a network have.
         updates: in one stretch of training.
         rollout_length: steps of each environment between two updates, at most.
@@ -43,10 +43,15 @@ class Program:
 
     @classmethod
     def of(cls, config: Config, rows: int, steps: int) -> "Program":
-        """The program of a configuration, with about so many environment steps a stretch."""
+        """The program of a configuration, with about so many environment steps a stretch.
+
+        Where the reward follows the policy, it is computed between two stretches.
+        """
         algorithm = config.algorithm
         length = algorithm.rollout or config.episode_limit
         updates = max(1, steps // (algorithm.envs * length))
+        if every := config.policy_every:
+            updates = max(n for n in range(1, min(updates, every) + 1) if every % n == 0)
         kind = intrinsic.kind_of(config)
         return cls(static_part(algorithm), kind, rows, updates, length)
 

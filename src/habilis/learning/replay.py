@@ -70,7 +70,7 @@ def success(run: Run, index: int = 0) -> Success:
     Raises:
         ValueError: there is no such run.
     """
-    _check_index(run, index)
+    check_index(run, index)
     mdp, seen, unseen, _ = training_problem(run.world, Conditions.of(run.config))
     policy = greedy_actions(run, mdp, index)
     limit = run.config.episode_limit
@@ -93,7 +93,7 @@ def expected_return(run: Run, index: int = 0) -> float:
     Raises:
         ValueError: there is no such run.
     """
-    _check_index(run, index)
+    check_index(run, index)
     mdp, seen, _, _ = training_problem(run.world, Conditions.of(run.config))
     policy = np.eye(mdp.action_count)[greedy_actions(run, mdp, index)]
     return float(policy_returns(mdp, policy, run.config.episode_limit)[seen].mean())
@@ -173,7 +173,7 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
     Raises:
         ValueError: there is no such run, no such state, or the seed is negative.
     """
-    _check_index(run, index)
+    check_index(run, index)
     if seed < 0:
         raise ValueError(f"seed is {seed}; give one of 0 or more")
     mdp = table_of(run)
@@ -198,6 +198,6 @@ def play(run: Run, index: int = 0, start: int | None = None, seed: int = 0) -> E
             return Episode(tuple(states), tuple(actions), total, finished)
 
 
-def _check_index(run: Run, index: int) -> None:
+def check_index(run: Run, index: int) -> None:
     if not 0 <= index < run.config.runs:
         raise ValueError(f"run is {index}; use 0 to {run.config.runs - 1}")

@@ -12,6 +12,7 @@ from habilis.learning.config import Config
 from habilis.learning.convergence import MARGIN, Averages
 from habilis.learning.episodes import Ledger
 from habilis.learning.sources import Source, map_of
+from habilis.mdp import TabularMDP
 from habilis.reprs import counted, number, quietly, short, unfailing
 from habilis.worlds.world import World
 
@@ -66,6 +67,38 @@ class Run:
             f"{len(ends)} of {count} converged{after}",
             f"best return {number(self.best_return)}",
         ]
+
+    @property
+    def mdp(self) -> TabularMDP:
+        """The table that it was trained on, whose states `policy` is of."""
+        from habilis.learning.replay import table_of
+
+        return table_of(self)
+
+    def policy(self, index: int = 0) -> Float64[np.ndarray, "S A"]:
+        """The policy that one of its runs learned, as `effective_empowerment` takes it.
+
+        Args:
+            index: which run, from 0.
+
+        Returns:
+            float64[S, A], the probability of each action in every state of `mdp`. Q-learning's is
+            the greedy policy.
+
+        Raises:
+            ValueError: there is no such run.
+
+        Example:
+            >>> import habilis as hb
+            >>> run = hb.train(hb.Config(world="yard", runs=1, episodes=20))
+            >>> policy = run.policy()
+            >>> bits = hb.effective_empowerment(run.mdp, policy, 0.9, "object", [run.mdp.start])
+        """
+        from habilis.learning.replay import check_index, learned
+
+        check_index(self, index)
+        policy = learned(self, self.mdp, index)[0].astype(np.float64)
+        return policy / policy.sum(axis=1, keepdims=True)
 
     @property
     def map(self) -> World:

@@ -1,5 +1,6 @@
 """Measures of states that a reward may name: a kind of empowerment, and a sensor."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,9 @@ from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.sensors import Sensor, observation_probabilities
 from habilis.mdp import TabularMDP
 from habilis.rewards.cached_tables import kept_empowerment
+
+Policy = ArrayLike | Callable[[TabularMDP], ArrayLike]
+"""float[S, A] for one table, or a function that gives it for each."""
 
 _EDITION = 1  # of the values: to be raised when they become others
 _EXACT = Exact()
@@ -76,10 +80,37 @@ def measured(
     kind, one = named
 
     def compute() -> dict[str, np.ndarray]:
-        values = of_kind(kind, mdp, horizon, one, actions, None, shared, None, options)
+        values, _ = of_kind(kind, mdp, horizon, one, actions, None, shared, None, options)
         return {"values": values}
 
     seen = observation_probabilities(mdp, one)
     what = (kind, _EDITION, horizon, mdp.transitions, mdp.terminal, seen, shared, repr(method))
     name = fingerprint(*what, None if actions is None else np.asarray(actions).tolist())
     return kept(name, compute)["values"]
+
+
+def under_policy(
+    mdp: TabularMDP, sensor: Sensor, discount: float, policy: Policy, tolerance: float
+) -> Float64[np.ndarray, "S"]:
+    """Effective empowerment of every state under a policy that is not uniform, in bits.
+
+    Args:
+        mdp: the table.
+        sensor: a name such as "effective:object".
+        discount: of the agent.
+        policy: of this table, or a function that gives it.
+        tolerance: the gap to reach, in bits.
+
+    Raises:
+        ValueError: a sensor of another kind, or as in `effective_empowerment`.
+    """
+    from habilis.empowerment.effective import effective_empowerment
+
+    kind, one = Named.of(sensor)
+    if kind != EFFECTIVE:
+        raise ValueError(
+            f"sensor is {sensor!r}, which no policy changes; give an effective empowerment, such "
+            "as 'effective:object'"
+        )
+    chosen = policy(mdp) if callable(policy) else policy
+    return effective_empowerment(mdp, chosen, discount, one, tolerance=tolerance)

@@ -115,10 +115,10 @@ def plain(config: Config) -> dict[str, Any]:
     """The settings that decide what a run does, 0 and 0.0 being the same number.
 
     Settings of later versions are left out as long as they have no effect: initial states, if they
-    are the map's own, and slip, if there is none.
+    are the map's own, and slip and policy_every, if they are 0.
     """
     idle = set() if config.starts else {"starts", "unseen", "starts_seed"}
-    idle |= set() if config.slip else {"slip"}
+    idle |= {name for name in ("slip", "policy_every") if not getattr(config, name)}
     defaults = {f.name: f.default for kind in (Config, *ALGORITHMS.values()) for f in fields(kind)}
     return {
         name: float(value) if isinstance(defaults[name], float) else value

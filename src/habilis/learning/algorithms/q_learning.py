@@ -34,7 +34,7 @@ class QLearning:
     reward_scale: float = setting(1.0, help_texts.REWARD_SCALE)
 
     tabular: ClassVar[bool] = True
-    ignores: ClassVar[tuple[str, ...]] = ("observation",)
+    ignores: ClassVar[tuple[str, ...]] = ("observation", "policy_every")  # greedy: of 0 bits
 
     def __post_init__(self) -> None:
         check_types(self)

@@ -30,7 +30,7 @@ class SoftValueIteration:
     reward_scale: float = setting(1.0, help_texts.REWARD_SCALE)
 
     tabular: ClassVar[bool] = True
-    ignores: ClassVar[tuple[str, ...]] = ("observation", "limit_is_terminal")
+    ignores: ClassVar[tuple[str, ...]] = ("observation", "limit_is_terminal", "policy_every")
 
     def __post_init__(self) -> None:
         check_types(self)
