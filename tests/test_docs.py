@@ -14,6 +14,7 @@ from playwright.sync_api import sync_playwright
 from studio_page import CHROMIUM, OPTIONS
 
 import habilis
+from habilis.worlds import two_agents
 from habilis.worlds.placements import start_of
 from habilis.worlds.table import placement
 
@@ -63,9 +64,15 @@ def drawings():
 KINDS = {"R": "rake", "S": "stick", "M": "magnet", "D": "ball", "E": "crate"}
 
 
+OF_TWO = {"E": "agent", "D": "door", "O": "open door", "C": "crate"}
+
+
 def drawn(rows, actions, words=""):
     """A drawing as a world. It has no goal: one is put where nothing comes to."""
     cells = "".join(rows)
+    if "+" in "".join(actions):  # of two agents
+        above = [f"{one} = {kind}" for one, kind in OF_TWO.items() if one in cells]
+        return habilis.World.parse("\n".join([*above, *rows]))
     first = next((character for character in cells if character in "CDE"), "")
     above = [f"{character} = {kind}" for character, kind in KINDS.items() if character in cells]
     above += [f"P = picker {words}"] if words else []
@@ -81,11 +88,15 @@ def test_the_drawings_of_rules_and_tools_are_what_happens(before, action, after)
     words, _, action = action.rpartition(": ")
     actions = action.split(", ")
     world = drawn(before, actions, words)
-    mdp = habilis.tabulate(world, starts=[start_of(world)])
+    mdp = habilis.tabulate(world, starts=[placement_of(world)])
     state = mdp.start
     for one in actions:
         state = mdp.next_state[state, mdp.actions.index(one)]
-    assert start_of(placement(world, mdp, state)) == start_of(drawn(after, actions, words))
+    assert placement_of(placement(world, mdp, state)) == placement_of(drawn(after, actions, words))
+
+
+def placement_of(world):
+    return start_of(world) if world.second is None else two_agents.start_of(world)
 
 
 def page_of(tmp_path, text):

@@ -1,6 +1,7 @@
 """Empowerment of one of several players: beside lists of all sequences of all players."""
 
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -86,14 +87,15 @@ def test_actions_costs_and_sensors_by_action_are_the_players():
     mdp = random_joint(rng, stochastic=True, sizes=(3, 2))
     alone = mdp.of_player("a")
     sensor, cost = rng.dirichlet(np.ones(2), (3, mdp.states)), rng.random((mdp.states, 3))
-    for settings_ in (
+    given: list[dict[str, Any]] = [
         {"actions": [0, 2]},
         {"sensor": sensor},
         {"cost": cost, "budget": 2.0},
         {"sensor_at": "each step"},
         {"states": np.full((1, mdp.states), 1 / mdp.states)},
         {"method": hb.Sampled(20)},
-    ):
+    ]
+    for settings_ in given:
         found = hb.empowerment(mdp, 2, player="a", **settings_)
         assert found.tolist() == hb.empowerment(alone, 2, **settings_).tolist()
 
@@ -189,7 +191,7 @@ def test_a_policy_that_looks_may_exceed_the_best_and_fall_below_the_worst():
     table[off], table[on] = [[dark, bright]] * 2, [[dark, bright]] * 2
     mdp = hb.TabularMDP.deterministic(table.reshape(5, 4), players={"a": 2, "b": 2})
     shows = np.array([[1, 0], [1, 0], [0, 1], [1, 0], [1, 0]])
-    of = {"states": [start], "player": "a"}
+    of: dict[str, Any] = {"states": [start], "player": "a"}
     assert hb.empowerment(mdp, 2, others="best", **of) == [0]
     assert hb.empowerment(mdp, 2, others=shows, **of) == [1]
     table[off], table[on] = [[dark, bright]] * 2, [[bright, dark]] * 2
@@ -268,7 +270,12 @@ def test_an_action_that_the_helper_lacks_has_no_assistance():
 def test_more_than_the_limits_is_refused_with_the_horizon_that_fits():
     rng = np.random.default_rng(6)
     certain = hb.TabularMDP.deterministic(rng.integers(99, size=(99, 9)), players={"a": 3, "b": 3})
-    few = {"player": "a", "others": "best", "states": [0], "method": hb.Exact(max_gib=2e-4)}
+    few: dict[str, Any] = {
+        "player": "a",
+        "others": "best",
+        "states": [0],
+        "method": hb.Exact(max_gib=2e-4),
+    }
     for mdp in (certain, certain.slippery(0.1)):
         with pytest.raises(
             ValueError, match=r"horizon that fits is \d: use it, .* policy$"
@@ -301,7 +308,7 @@ def test_more_than_the_limits_is_refused_with_the_horizon_that_fits():
         ({"player": "a", "others": "best", "actions": [2]}, "has 2; use indices from 0 to 1"),
     ],
 )
-def test_what_does_not_go_together_is_refused(given: dict, problem: str):
+def test_what_does_not_go_together_is_refused(given: dict[str, Any], problem: str):
     with pytest.raises(ValueError, match=problem):
         hb.empowerment(XOR, 1, **given)
 

@@ -22,6 +22,7 @@ from habilis.worlds.map_text import AGENT, GOAL, OBJECT
 from habilis.worlds.table import tabulate
 from habilis.worlds.tools import Tool
 from habilis.worlds.world import World, load_world
+from habilis.worlds.world_checks import check_one_agent
 
 Measures = Mapping[str, Mapping[str, Any]]
 """By name, the arguments of `habilis.empowerment`: {"toe": {"horizon": 6, "sensor": "object"}}."""
@@ -261,7 +262,13 @@ def _check_measure(measure: str, arguments: Any) -> None:
 
 
 def as_world(world: World | str | Path) -> World:
-    """A world as it is, by its name or path, or from its text."""
+    """A world of one agent as it is, by its name or path, or from its text."""
+    found = _as_any_world(world)
+    check_one_agent(found)
+    return found
+
+
+def _as_any_world(world: World | str | Path) -> World:
     if isinstance(world, World):
         return world
     if isinstance(world, str) and ("\n" in world or {AGENT, OBJECT, GOAL} <= set(world)):

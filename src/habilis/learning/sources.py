@@ -12,6 +12,7 @@ from habilis.learning.config import BY_DIGEST, Config
 from habilis.mdp import TabularMDP
 from habilis.models import explore
 from habilis.worlds.world import ENVIRONMENT, World, load_world
+from habilis.worlds.world_checks import check_one_agent
 
 _KEPT = 4  # environments, whose tables take long to make and serve all points of a sweep
 
@@ -86,7 +87,9 @@ def source_of(config: Config) -> Source:
     """
     named = config.world
     if isinstance(named, str) and not names_table(named):
-        return load_world(named, config.tool)
+        world = load_world(named, config.tool)
+        check_one_agent(world)
+        return world
     if isinstance(named, TabularMDP):
         found = NamedTable.of("table", named)
     elif named.startswith(ENVIRONMENT):

@@ -9,6 +9,7 @@ from habilis.studio.protocol.scenes import PlacedTool as DrawnTool
 from habilis.worlds.map_text import FLOOR, WALL
 from habilis.worlds.things import OBJECTS, PlacedObject, PlacedTool
 from habilis.worlds.world import World
+from habilis.worlds.world_checks import check_one_agent
 
 _GROUND = f"; {FLOOR} floor and {WALL} walls"
 
@@ -19,6 +20,7 @@ def drawn_of(world: World) -> Drawn:
     Raises:
         ValueError: a tool has another reading of the rules, which the page cannot represent.
     """
+    check_one_agent(world)
     for tool in world.tools:
         if tool.reading.words:
             raise ValueError(

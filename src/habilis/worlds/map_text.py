@@ -4,8 +4,8 @@ import re
 from dataclasses import dataclass
 
 WALL, FLOOR, AGENT, OBJECT, GOAL = "#.ACG"
-TOOL = "tool"
-"""The role of a tool's character, beside those of these: every tool has a character of its own."""
+TOOL, SECOND, DOOR = "tool", "second agent", "door"
+"""The roles of characters without one that a map always has for them."""
 COMMENT = ";"
 BINDS = "="
 """Between a character and what it stands for, in a line above the map."""

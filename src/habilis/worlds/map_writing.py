@@ -7,8 +7,19 @@ from typing import TYPE_CHECKING
 
 from habilis.reprs import counted
 from habilis.worlds.grid import Cell
-from habilis.worlds.map_text import AGENT, BINDS, DROP, FLOOR, GOAL, OBJECT, TOOL, WALL
-from habilis.worlds.things import CAN, OBJECTS, PlacedObject, PlacedTool
+from habilis.worlds.map_text import (
+    AGENT,
+    BINDS,
+    DOOR,
+    DROP,
+    FLOOR,
+    GOAL,
+    OBJECT,
+    SECOND,
+    TOOL,
+    WALL,
+)
+from habilis.worlds.things import CAN, OBJECTS, Door, PlacedObject, PlacedTool
 from habilis.worlds.tools import TOOLS, UNBOUND
 
 if TYPE_CHECKING:
@@ -22,7 +33,7 @@ class Mark:
     Attributes:
         character: drawn.
         cell: where.
-        role: `AGENT`, `OBJECT`, `GOAL` or `TOOL`.
+        role: `AGENT`, `OBJECT`, `GOAL`, `TOOL`, `SECOND` or `DOOR`.
         binding: the line above the map that says what it stands for; "" if none must.
     """
 
@@ -33,9 +44,13 @@ class Mark:
 
 
 def marks_of(
-    agent: Cell, tools: Sequence[PlacedTool], objects: Sequence[PlacedObject]
+    agent: Cell,
+    tools: Sequence[PlacedTool],
+    objects: Sequence[PlacedObject],
+    second: Cell | None = None,
+    doors: Sequence[Door] = (),
 ) -> list[Mark]:
-    """The marks of a map besides walls, the goals first: what is on them hides them."""
+    """The marks of a map besides walls, goals and doors first: what is on them hides them."""
     alone = len(objects) == 1
     usual_ones = [OBJECT if alone else OBJECTS[thing.kind].character for thing in objects]
     known = (rule.character for rule in (*(tool.rule for tool in tools), *TOOLS.values()))
@@ -55,14 +70,21 @@ def marks_of(
         character = free.take(tool.rule.character)
         binds = _tool_binding(character, tool.rule.character, tool)
         marks.append(Mark(character, tool.cell, TOOL, binds))
+    if second is not None:
+        character = free.take("E")
+        marks.append(Mark(character, second, SECOND, _bound(character, "agent")))
+    for door in doors:
+        character = free.take("O" if door.is_open else "D")
+        kind = "open door" if door.is_open else "door"
+        goals.append(Mark(character, door.cell, DOOR, _bound(character, kind)))
     return [*goals, *marks]
 
 
 def header_of(marks: Sequence[Mark], drop: bool) -> list[str]:
-    """The lines above the map: tools, objects, then the goals of these."""
+    """The lines above the map: second agent and doors, tools, objects, then the goals of these."""
     bound = [
         mark.binding
-        for role in (TOOL, OBJECT, GOAL)
+        for role in (SECOND, DOOR, TOOL, OBJECT, GOAL)
         for mark in marks
         if mark.role == role and mark.binding
     ]
@@ -73,9 +95,11 @@ def described(world: "World") -> list[str]:
     """The map and its things in words, a part for each kind of thing."""
     goals = [f"{thing.name}'s goal {thing.goal}" for thing in world.objects if thing.goal]
     things = [f"{thing.name} {thing.cell}" for thing in (*world.tools, *world.objects)]
+    second = [] if world.second is None else [f"second agent {world.second}"]
     return [
         f"{world.height} × {world.width} cells, {counted(len(world.walls), 'wall')}",
-        ", ".join([f"agent {world.agent}", *things]),
+        ", ".join([f"agent {world.agent}", *second, *things]),
+        ", ".join(f"{'open ' if door.is_open else ''}door {door.cell}" for door in world.doors),
         ", ".join(goals),
         "tools can be dropped" if world.drop else "",
     ]

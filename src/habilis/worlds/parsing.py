@@ -10,9 +10,11 @@ from habilis.files import shown
 from habilis.worlds.grid import Cell
 from habilis.worlds.map_text import (
     AGENT,
+    DOOR,
     FLOOR,
     GOAL,
     OBJECT,
+    SECOND,
     TOOL,
     WALL,
     Header,
@@ -22,12 +24,14 @@ from habilis.worlds.map_text import (
     map_lines,
 )
 from habilis.worlds.own_tools import beside, is_own, tool_named
-from habilis.worlds.things import CAN, OBJECTS, PlacedObject, PlacedTool
+from habilis.worlds.things import CAN, OBJECTS, Door, PlacedObject, PlacedTool
 from habilis.worlds.tools import OURS, TOOLS, UNBOUND, Reading
 
 _GOAL_OF = re.compile(r"goal of (\S)")
 _SLIP = re.compile(r"(.+?)\s+slip\s+(\S+)")
-_ROLES = {AGENT: "agent", OBJECT: CAN, GOAL: "goal", TOOL: "tool"}
+_ROLES = {role: role for role in (TOOL, SECOND, DOOR)}
+_ROLES |= {AGENT: "agent", OBJECT: CAN, GOAL: "goal"}
+_SECOND, _DOORS = "agent", {"door": False, "open door": True}
 
 
 @dataclass(frozen=True)
@@ -35,8 +39,8 @@ class Meaning:
     """The meaning of a character of a map.
 
     Attributes:
-        role: `AGENT`, `OBJECT`, `GOAL` or `TOOL`.
-        kind: of object or tool; of a goal the character of its object, "" if it is not said.
+        role: `AGENT`, `OBJECT`, `GOAL`, `TOOL`, `SECOND` or `DOOR`.
+        kind: of object, tool or door; of a goal the character of its object, "" if it is not said.
         slip, reading: of a tool, see `PlacedTool`.
     """
 
@@ -58,12 +62,15 @@ def parsed(text: str, name: str, folder: Path | None) -> dict[str, Any]:
     walls, marks = _read(lines, meanings, name)
     _check_used(head, marks, name)
     roles = {meanings[mark].role for mark in marks}
-    for role in (AGENT, OBJECT, GOAL):
+    for role in (AGENT,) if SECOND in roles else (AGENT, OBJECT, GOAL):
         if role not in roles:
             raise ValueError(
                 f"{name}: the map has no {_ROLES[role]}; put one {role!r} on a floor cell"
             )
     agent = next(cell for mark, cell in marks.items() if meanings[mark].role == AGENT)
+    second = [cell for mark, cell in marks.items() if meanings[mark].role == SECOND]
+    if len(second) > 1:
+        raise ValueError(f"{name}: a third agent is at {second[1]}; a map has two at most")
     return {
         "name": name,
         "height": len(lines),
@@ -73,6 +80,12 @@ def parsed(text: str, name: str, folder: Path | None) -> dict[str, Any]:
         "tools": _tools(marks, meanings),
         "objects": _objects(marks, meanings, name),
         "drop": head.drop,
+        "second": second[0] if second else None,
+        "doors": tuple(
+            Door(cell, _DOORS[meanings[mark].kind])
+            for mark, cell in marks.items()
+            if meanings[mark].role == DOOR
+        ),
     }
 
 
@@ -113,6 +126,10 @@ def _meaning(character: str, said: str, folder: Path | None) -> Meaning:
             f"{character!r} is bound to a {slipping[1]} with slip; only tools may fail"
         )
     check_free(character)
+    if said == _SECOND:
+        return Meaning(SECOND)
+    if said in _DOORS:
+        return Meaning(DOOR, said)
     kind, slip = (said, 0.0) if slipping is None else (slipping[1], _probability(slipping[2]))
     kind, reading = Reading.of(kind)
     kind = kind if folder is None else beside(folder, kind)
@@ -120,7 +137,8 @@ def _meaning(character: str, said: str, folder: Path | None) -> Meaning:
         raise ValueError(
             f"{character!r} is bound to {kind!r}, which is unknown; bind it to a tool "
             f"({', '.join(TOOLS)}, or one of your own as FILE.py:CLASS), an object "
-            f"({', '.join(OBJECTS)}) or a goal, as in 'H = goal of C'"
+            f"({', '.join(OBJECTS)}), a goal, as in 'H = goal of C', a second agent ({_SECOND}) or "
+            f"a door ({', '.join(_DOORS)})"
         )
     tool_named(kind)
     return Meaning(TOOL, kind, slip, reading)
@@ -186,6 +204,11 @@ def _objects(
             continue
         of = meaning.kind or (objects[0] if len(objects) == 1 else "")
         if of not in objects:
+            if not objects:
+                raise ValueError(
+                    f"{name}: {mark!r} is a goal, but no object is on the map; add one, or put "
+                    f"{FLOOR!r} there"
+                )
             problem = f"is the goal of {of!r}, which is not an object on the map" if of else ""
             raise ValueError(
                 f"{name}: {mark!r} {problem or 'is the goal of one of several objects'}; name it "

@@ -12,6 +12,7 @@ from habilis.worlds.grid import Cells
 from habilis.worlds.rules import ACTIONS, DROP_NAME, MOVES, NONE, Kinds, Places, attached
 from habilis.worlds.things import moved
 from habilis.worlds.world import Cell, World
+from habilis.worlds.world_checks import check_one_agent
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -41,6 +42,7 @@ class Factors:
 
     @classmethod
     def of(cls, world: World) -> "Factors":
+        check_one_agent(world)
         if world.single:  # the tool is in hand wherever it is beside the agent
             return cls(("tool",) * len(world.tools), ("object",), ())
         held, laid = (HELD,) if world.tools else (), (LAID,) if world.drop else ()

@@ -13,6 +13,7 @@ from habilis.models.limits import Limits, TooManyStatesError
 from habilis.progress import progress_bar
 from habilis.worlds.placements import WANTED, Placement, actions_of, describe, places_of
 from habilis.worlds.rules import Kinds, Places, successor, taken_up
+from habilis.worlds.two_agents import reachable_by_two
 from habilis.worlds.world import World
 
 MAX_STATES = 50_000_000
@@ -56,6 +57,11 @@ def reachable(
         >>> mdp.states
         3
     """
+    if world.second is not None:
+        if isinstance(placements, Places):
+            raise ValueError(f"{world.name} has two agents; give placements by name")
+        listed = _listed(placements)
+        return reachable_by_two(world, listed, horizon, max_states, show_progress)
     # Numba takes as long to import as everything else together: only who needs it pays.
     from habilis.models.rows import reach_rows
 

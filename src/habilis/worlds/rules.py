@@ -11,6 +11,7 @@ from habilis.worlds.things import OBJECTS, ObjectKind
 from habilis.worlds.tool_calls import call_in_hand
 from habilis.worlds.tools import Reading, Tool
 from habilis.worlds.world import World
+from habilis.worlds.world_checks import check_one_agent
 
 ACTIONS = (*MOVES, *(f"tool {side}" for side in MOVES))
 """Names of the actions in their order: 0 to 3 move the agent, 4 to 7 put the tool on a side."""
@@ -33,6 +34,7 @@ class Kinds:
 
     @classmethod
     def of(cls, world: World) -> "Kinds":
+        check_one_agent(world)
         return cls(
             tuple(tool.rule for tool in world.tools),
             tuple(OBJECTS[thing.kind] for thing in world.objects),

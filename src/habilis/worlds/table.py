@@ -11,6 +11,7 @@ from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore, explored
 from habilis.models.limits import Limits
 from habilis.progress import progress_bar
+from habilis.worlds import two_agents
 from habilis.worlds.grid import Cells, Grid
 from habilis.worlds.placements import (
     Factors,
@@ -44,8 +45,9 @@ def tabulate(
     episode are rule 6 of the worlds: 0 for the transition that brings the object into the
     goal, which ends the episode, and -1 for every other.
 
-    In a world of several tools or objects, the states are all placements that can be reached from
-    the map's, and an episode ends when every object that has a goal is in it.
+    In a world of several tools or objects, or of two agents, the states are all placements that
+    can be reached from the map's, and an episode ends when every object that has a goal is in it.
+    Two agents are the `players` "agent" and "agent2"; without goals rewards are 0.
 
     Args:
         world: the map; its tool decides on eight actions, or four without one; nine where it can
@@ -64,6 +66,8 @@ def tabulate(
         factors are "tool:picker", "object:can", and so on; "held", which tool is in hand, from 0
         as in `World.tools`, -1 for none; and where tools can be put down "laid", which of them was
         put down and not left since. Of several tools each has a flag, "equipped:picker" and so on.
+        Of two agents, "agent2" is the other's cell, and "door" (then "door2", ...) 1 where one is
+        open.
 
     Raises:
         ValueError: slip is no probability.
@@ -78,13 +82,19 @@ def tabulate(
         ['agent', 'tool:picker', 'object:can', 'object:ball', 'held']
     """
     if starts is not None or not world.single:
-        starts = [start_of(world)] if starts is None else starts
+        if starts is None:
+            starts = [_start_of(world)]
         try:
             reached = reachable(world, starts, None, max_states, show_progress)[0]
         except TooManyPlacementsError as error:
             raise TooManyPlacementsError(f"{error}, {_MORE}") from None
         return reached.slippery(slip)
     return _whole(world, max_states, show_progress).slippery(slip)
+
+
+def _start_of(world: World) -> dict[str, Any]:
+    """The placement that the map has, of one agent or of two."""
+    return start_of(world) if world.second is None else two_agents.start_of(world)
 
 
 def whole_table(model: AnyModel, show_progress: bool = False) -> TabularMDP:
@@ -104,7 +114,7 @@ def _(
     most = limits.max_states
     if limits.horizon is None:
         return tabulate(world, starts=states, max_states=most, show_progress=show_progress)
-    starts = [start_of(world)] if states is None else states
+    starts = [_start_of(world)] if states is None else states
     return reachable(world, starts, limits.horizon, most, show_progress)[0]
 
 
@@ -192,6 +202,8 @@ def placement(world: World, mdp: TabularMDP, state: int | np.integer) -> World:
         Another world. Its own table begins with the first tool beside the agent in hand, whatever
         the state had.
     """
+    if world.second is not None:
+        return two_agents.placement_of_two(world, mdp, state)
     names = Factors.of(world)
     found: dict[str, Any] = {name: int(mdp.factor(name)[state]) for name in names.hands}
     for name in ("agent", *names.things):

@@ -104,6 +104,19 @@ class PlacedTool:
 
 
 @dataclass(frozen=True)
+class Door:
+    """A door on a map with two agents, who open and close it.
+
+    Attributes:
+        cell: where it is; while it is closed, nothing else can be there.
+        is_open: whether it is open at the start.
+    """
+
+    cell: Cell
+    is_open: bool = False
+
+
+@dataclass(frozen=True)
 class Vacancy:
     """The place of a tool that was taken off a map; another tool can be put there.
 

@@ -14,8 +14,18 @@ from habilis.worlds.map_text import FLOOR, WALL
 from habilis.worlds.map_writing import Mark, binding, described, header_of, marks_of
 from habilis.worlds.own_tools import as_tool, is_own, tool_named
 from habilis.worlds.parsing import parsed
-from habilis.worlds.things import PlacedObject, PlacedTool, Vacancy, Where, cells_of, moved, named
+from habilis.worlds.things import (
+    Door,
+    PlacedObject,
+    PlacedTool,
+    Vacancy,
+    Where,
+    cells_of,
+    moved,
+    named,
+)
 from habilis.worlds.tools import Reading, Tool, name_of
+from habilis.worlds.world_checks import check_one_agent, check_things
 
 NO_TOOL = "none"
 ENVIRONMENT = "gym:"
@@ -42,6 +52,9 @@ class World:
         held: which of `tools` is in hand at the start, -1 for none; `None`: the first beside the
             agent.
         vacancy: the place of the tool that `with_tool("none")` took off the map.
+        second: start cell of a second agent, if there is one: then there are no tools, and objects
+            and goals need not be.
+        doors: of a map with two agents.
     """
 
     name: str
@@ -54,6 +67,8 @@ class World:
     drop: bool = False
     held: int | None = None
     vacancy: Vacancy | None = None
+    second: Cell | None = None
+    doors: tuple[Door, ...] = ()
 
     def __post_init__(self) -> None:
         """Names the things, and refuses those not on free cells or on each other.
@@ -63,29 +78,7 @@ class World:
         """
         object.__setattr__(self, "objects", named(self.objects))
         object.__setattr__(self, "tools", named(self.tools))
-        if not self.objects or self.objects[0].goal is None:
-            first = f"the first object, the {self.objects[0].name}," if self.objects else "it"
-            has = "has no goal; give it one" if self.objects else "has no object; give it one"
-            raise ValueError(f"{self.name}: {first} {has}")
-        first, *others = self.objects
-        tools = [("tool" if self.single else tool.name, tool.cell) for tool in self.tools]
-        placed = [("agent", self.agent), (first.name, first.cell), *tools]
-        placed += [(thing.name, thing.cell) for thing in others]
-        goals = [("goal", first.goal), *((f"goal of {one.name}", one.goal) for one in others)]
-        for thing, cell in [*placed, *goals]:
-            if cell is not None and not self.is_free(cell):
-                raise ValueError(
-                    f"{self.name}: the {thing} is at {cell}; put it on a free cell of the "
-                    f"{self.height} x {self.width} map"
-                )
-        if len({cell for _, cell in placed}) < len(placed):
-            raise ValueError(f"{self.name}: {dict(placed)} share a cell; give each its own")
-        for things in (self.tools, self.objects):
-            names = [thing.name for thing in things]
-            if len(set(names)) < len(names):
-                raise ValueError(
-                    f"{self.name}: two of {', '.join(names)} have one name; give each its own"
-                )
+        check_things(self)
 
     @unfailing
     def __repr__(self) -> str:
@@ -108,7 +101,8 @@ class World:
         Above the map, lines bind characters: `R = rake` to a tool, `R = mytools.py:Rake` to one of
         one's own, `P = picker slip 0.2` to one that may fail, `P = picker pushes` to one under
         another `Reading` of the rules, `D = ball` to an object, `H = goal of D` to its goal.
-        `drop: true` adds the action that puts a tool down.
+        `drop: true` adds the action that puts a tool down. `E = agent` binds the second of two
+        agents, `D = door` and `D = open door` a door of theirs.
 
         Args:
             text: `#` wall, `.` floor, `A` agent, `P` picker, `B` broom, `C` can, `G` goal, and what
@@ -149,6 +143,7 @@ class World:
         Raises:
             ValueError: no such tool, or the map has no cell marked for a tool.
         """
+        check_one_agent(self)
         first = self.tools[0] if self.tools else self.vacancy
         if isinstance(tool, str) and tool == NO_TOOL:
             vacancy = None if first is None else Vacancy(first.cell, first.reading)
@@ -251,7 +246,8 @@ class World:
 
         Of such a world a table has all placements, and the factors "tool" and "object".
         """
-        return len(self.objects) == 1 and len(self.tools) <= 1 and not self.drop
+        alone = self.second is None
+        return len(self.objects) == 1 and len(self.tools) <= 1 and not self.drop and alone
 
     @property
     def tool(self) -> str:
@@ -340,8 +336,9 @@ class World:
         cells = [mark.cell for mark in self.marks]
         hidden = next((cell for cell in cells if cells.count(cell) > 1), None)
         if hidden is not None:
+            below = "in the door" if hidden in [door.cell for door in self.doors] else "on the goal"
             raise ValueError(
-                f"{self.name}: something else is on the goal at {hidden}, and a map's text has one "
+                f"{self.name}: something else is {below} at {hidden}, and a map's text has one "
                 "character a cell; put it elsewhere"
             )
         return "\n".join([*self.header, *self.rows]) + "\n"
@@ -364,7 +361,7 @@ class World:
     @property
     def marks(self) -> list[Mark]:
         """The characters of the things and goals, the goals first: what is on them hides them."""
-        return marks_of(self.agent, self.tools, self.objects)
+        return marks_of(self.agent, self.tools, self.objects, self.second, self.doors)
 
 
 def world_names() -> list[str]:

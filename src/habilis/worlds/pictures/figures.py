@@ -25,7 +25,7 @@ from rich.text import Text
 
 from habilis.files import suffix_of, write_whole
 from habilis.worlds.grid import STEPS
-from habilis.worlds.map_text import AGENT, FLOOR, GOAL, OBJECT, TOOL, WALL
+from habilis.worlds.map_text import AGENT, DOOR, FLOOR, GOAL, OBJECT, SECOND, TOOL, WALL
 from habilis.worlds.pictures.shapes import (
     SHAPES,
     Drawing,
@@ -58,6 +58,8 @@ _STYLES = {  # by what a character stands for
     OBJECT: "bold #ffffff on #b34700",
     GOAL: "bold #ffffff on #007a59",
     TOOL: "bold #1f2430 on #f0c24b",
+    SECOND: "bold #ffffff on #8f4a70",
+    DOOR: "bold #ffffff on #7a4a20",
 }
 
 
@@ -208,7 +210,7 @@ def colored_text(world: World | Drawn) -> Text:
     if not isinstance(world, World):
         return world.colored_text()
     marks = world.marks
-    under = {mark.cell: mark.character for mark in marks if mark.role == GOAL}
+    under = {mark.cell: mark for mark in marks if mark.role in (GOAL, DOOR)}
     above = {mark.cell: mark for mark in marks}
     held = world.in_hand
     in_hand = None if held < 0 or world.single else world.tools[held].cell
@@ -224,8 +226,9 @@ def colored_text(world: World | Drawn) -> Text:
                 continue
             style = _STYLES[there.role]
             looks.append((there.character, f"{style} underline" if cell == in_hand else style))
-            hidden = there.role != GOAL and cell in under
-            looks.append((under[cell], _STYLES[GOAL]) if hidden else (" ", style))
+            below = under.get(cell, there)
+            hidden = below.role != there.role
+            looks.append((below.character, _STYLES[below.role]) if hidden else (" ", style))
         text = Text()
         for style, run in groupby(looks, lambda look: look[1]):
             text.append("".join(part for part, _ in run), style)
@@ -301,6 +304,11 @@ def things_of(world: World, agent: Cell | None) -> dict[Cell, Drawing]:
         things[tool.cell] = _tool(tool.rule, tool.cell, agent if index == held else None)
     if agent is not None:
         things[agent] = SHAPES["agent"]
+    if world.second is not None:
+        things[world.second] = SHAPES["second agent"]
+    for door in world.doors:
+        drawing = SHAPES["open door" if door.is_open else "door"]
+        things[door.cell] = drawing + things.get(door.cell, ())
     for goal, its in bins(world).items():
         things[goal] = its.with_thing(things.get(goal))
     return things

@@ -281,11 +281,30 @@ def of_kind(kind: str, before: int) -> Drawing:
     return tuple(replace(one, fill=recoloured.get(one.fill, one.fill)) for one in drawing)
 
 
+_SECOND_AGENT: Drawing = tuple(
+    replace(one, fill={BLUE: VIOLET, "#005f96": "#8f4a70", ORANGE: GREEN}.get(one.fill, one.fill))
+    for one in _AGENT
+)
+_OPEN_DOOR: Drawing = (  # its posts
+    box("#7a4a20", 0.0, 0.0, 0.12, 1.0, 0.02),
+    box("#7a4a20", 0.88, 0.0, 1.0, 1.0, 0.02),
+)
+_DOOR: Drawing = (
+    box(WOOD, 0.06, 0.04, 0.94, 0.96, 0.02),
+    box("#7a4a20", 0.2, 0.14, 0.8, 0.45, 0.03),  # panels
+    box("#7a4a20", 0.2, 0.55, 0.8, 0.86, 0.03),
+    *_OPEN_DOOR,
+    _circle(YELLOW, 0.78, 0.5, 0.055),  # knob
+)
+
 SHAPES: dict[str, Drawing] = {
     "floor": _FLOOR,
     "plate": _PLATE,
     "wall": _WALL,
     "agent": _AGENT,
+    "second agent": _SECOND_AGENT,
+    "door": _DOOR,
+    "open door": _OPEN_DOOR,
     "picker": _PICKER,
     "broom": _BROOM,
     "rake": _RAKE,

@@ -11,6 +11,7 @@ from habilis.reprs import short, unfailing
 from habilis.worlds.pictures.figures import bins, object_drawings, rendered, tool_looks
 from habilis.worlds.pictures.shapes import SHAPES, Drawing
 from habilis.worlds.world import Cell, World
+from habilis.worlds.world_checks import check_one_agent
 
 Labels = Integer[np.ndarray, "N"]
 Look = UInt8[np.ndarray, "cells size size 3"]
@@ -62,6 +63,7 @@ class Tiles:
             >>> tiles.frame(agent=1, tool=None, object=2).shape
             (8, 32, 3)
         """
+        check_one_agent(world)
         sizes = (world.height, cell, world.width, cell, 3)
         goals = bins(world)
 
