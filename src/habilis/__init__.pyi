@@ -26,6 +26,7 @@ from habilis.empowerment import persistence as persistence
 from habilis.envs import EmpowermentReward as EmpowermentReward
 from habilis.estimators import Counting as Counting
 from habilis.estimators import Gaussian as Gaussian
+from habilis.estimators import MonteCarlo as MonteCarlo
 from habilis.estimators import Simulator as Simulator
 from habilis.learning import A2C as A2C
 from habilis.learning import PPO as PPO

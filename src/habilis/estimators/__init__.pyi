@@ -3,6 +3,7 @@ from habilis.estimators.actions import ActionBox as ActionBox
 from habilis.estimators.counting import Counting as Counting
 from habilis.estimators.gaussian import Gaussian as Gaussian
 from habilis.estimators.gaussian import GaussianChannels as GaussianChannels
+from habilis.estimators.monte_carlo import MonteCarlo as MonteCarlo
 from habilis.estimators.protocol import Estimator as Estimator
 from habilis.estimators.protocol import Fitted as Fitted
 from habilis.estimators.protocol import Simulator as Simulator

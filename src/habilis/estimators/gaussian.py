@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from habilis.empowerment.arguments import positive, whole_number
 from habilis.estimators.actions import ActionBox, action_size, check_size, checked_actions
 from habilis.estimators.linear_response import Response, linear_response
+from habilis.estimators.noise import covariance_of, whitened
 from habilis.estimators.protocol import (
     Kind,
     SensorOfSimulator,
@@ -25,7 +26,6 @@ from habilis.estimators.sensors import reading
 
 _AT_ONCE = 256  # states that are differentiated together
 _CLOSED = 1e-300  # a gain that is none
-_SINGULAR = 1e-10  # the least eigenvalue of a correlation matrix that can be inverted well
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Gaussian:
             if value == np.inf:
                 raise ValueError(f"{name} is infinite; give a finite number")
             object.__setattr__(self, name, value)
-        _covariance(self.noise)
+        covariance_of(self.noise)
 
     def fit(
         self,
@@ -208,7 +208,7 @@ class FittedGaussian:
                     "a derivative of the sensor is not finite; give a shorter horizon, or states "
                     "and nominal actions where the simulator is smooth"
                 )
-        own = _covariance(self.noise, by_action.shape[1])
+        own = covariance_of(self.noise, by_action.shape[1])
         covariance = own + by_noise @ by_noise.swapaxes(1, 2)
         return np.stack(
             [gains(jacobian, one) for jacobian, one in zip(by_action, covariance, strict=True)]
@@ -223,23 +223,8 @@ def gains(
     Raises:
         ValueError: the covariance is singular.
     """
-    from scipy.linalg import eigh
-
-    deviation = np.sqrt(np.diag(covariance))
-    if not (deviation > 0).all():
-        silent = int(np.flatnonzero(~(deviation > 0))[0])
-        raise ValueError(
-            f"the total noise is singular: component {silent} of the sensor has none, which would "
-            "make its capacity infinite; give it noise above 0"
-        )
-    values, vectors = eigh(covariance / np.outer(deviation, deviation))
-    if not values[0] > _SINGULAR:
-        raise ValueError(
-            "the total noise is singular: that of some components of the sensor is always the "
-            "same, which would make their capacity infinite; give each noise of its own"
-        )
-    whitened = (vectors.T / np.sqrt(values)[:, None]) @ (jacobian / deviation[:, None])
-    return np.linalg.svd(whitened, compute_uv=False) ** 2
+    response = whitened(covariance, jacobian)
+    return np.linalg.svd(response, compute_uv=False) ** 2
 
 
 def water_filling(gains: Float64[np.ndarray, "n r"], power: float) -> GaussianChannels:
@@ -265,37 +250,6 @@ def water_filling(gains: Float64[np.ndarray, "n r"], power: float) -> GaussianCh
     slopes = gains / (2 * np.log(2) * (1 + gains * powers))
     residual = power * slopes.max(axis=1) - (slopes * powers).sum(axis=1)
     return GaussianChannels(bits, np.maximum(residual, 0.0), gains, powers)
-
-
-def _covariance(noise: Any, size: int | None = None) -> Float64[np.ndarray, "p p"]:
-    """The covariance of a sensor's noise, of a sensor of so many components if that is known."""
-    given = np.asarray(noise)
-    problem = (
-        f"noise is {str(noise)[:60]}; give a standard deviation, one a component of the sensor"
-    )
-    if given.dtype.kind not in "iuf" or given.ndim > 2 or not np.isfinite(given).all():
-        raise ValueError(f"{problem}, or a covariance matrix")
-    if given.ndim < 2:
-        if (given < 0).any():
-            raise ValueError(f"{problem}, none below 0")
-        if size is None:
-            return np.zeros((0, 0))
-        if given.ndim and len(given) != size:
-            raise ValueError(
-                f"noise has {len(given)} numbers, the sensor {size}; give one for each"
-            )
-        return np.diag(np.broadcast_to(given.astype(np.float64), size) ** 2)
-    covariance = given.astype(np.float64)
-    if covariance.shape[0] != covariance.shape[1] or not np.allclose(covariance, covariance.T):
-        raise ValueError(f"noise has shape {given.shape} or is not symmetric; give a covariance")
-    least = np.linalg.eigvalsh(covariance)[0] if covariance.size else 0.0
-    if least < -1e-12 * np.trace(covariance):
-        raise ValueError("noise is no covariance: it has a negative eigenvalue; give one without")
-    if size is not None and len(covariance) != size:
-        raise ValueError(
-            f"noise has shape {given.shape}, the sensor {size} components; give [{size}, {size}]"
-        )
-    return covariance
 
 
 def _nominal(given: Any, horizon: int, size: int) -> Float64[np.ndarray, "h k"]:

@@ -133,8 +133,7 @@ def pendulum(
     """A mass on a rod that can turn all the way round: state (angle in rad, velocity in rad/s).
 
     The angle is 0 upright and grows clockwise; it is not wrapped. The default torque is too weak to
-    lift the mass at once. Parameters as in Jung, Polani and Stone (2011), integrated by the method
-    of Runge and Kutta of order 4.
+    lift the mass at once. Integrated by the method of Runge and Kutta of order 4.
 
     Args:
         torque: in Nm, actions are from -torque to torque.
