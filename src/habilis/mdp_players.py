@@ -120,7 +120,7 @@ def joint_actions(mdp: "TabularMDP", player: str) -> Joint:
     if not mdp.players:
         raise ValueError(
             f"player is {player!r}, but the table has no players; make it with players={{'robot': "
-            "4, 'human': 5}, how many actions each has"
+            "4, 'human': 5}, how many actions each has, or of a map with two agents"
         )
     if player not in mdp.players:
         raise ValueError(f"player {player!r} is unknown; use one of {', '.join(mdp.players)}")

@@ -1,6 +1,9 @@
 """Empowerment of one of several players: beside lists of all sequences of all players."""
 
+import re
+import runpy
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +14,7 @@ from joint import against, ends, others_of, random_joint
 
 import habilis as hb
 
+ROOT = Path(__file__).parents[2]
 XOR = hb.TabularMDP.deterministic([[0, 1, 1, 0]] * 2, players={"a": 2, "b": 2})
 
 
@@ -262,6 +266,15 @@ def test_an_action_that_the_helper_lacks_has_no_assistance():
     mdp = hb.TabularMDP.deterministic([[-1, -1, 0, 0], [0, 1, 0, 1]], players={"a": 2, "b": 2})
     found = hb.assistance(mdp, "a", "b", 1)
     assert np.isnan(found).tolist() == [[True, False], [False, False]]
+
+
+def test_the_assistants_of_the_example_do_what_the_page_says(capsys):
+    runpy.run_path(str(ROOT / "examples" / "assistant.py"), run_name="__main__")
+    printed = capsys.readouterr().out
+    page = (ROOT / "docs" / "explanation" / "kinds.md").read_text("utf-8")
+    for own, human in (("2.20", "1.61"), ("2.32", "0.34"), ("1.46", "2.16")):
+        assert re.search(rf" {own} +{human}\n", printed)
+        assert f"| {own} | {human} |\n" in page
 
 
 # Refusals

@@ -105,7 +105,7 @@ class PlainMap:
 
 def asked_of_model(
     model: AnyModel, show_progress: bool = False
-) -> tuple[PlainMap, TabularMDP, np.ndarray]:
+) -> tuple[World | PlainMap, TabularMDP, np.ndarray]:
     """The same of any other model: the states that differ from the first in the agent's cell alone.
 
     Raises:
@@ -127,7 +127,8 @@ def asked_of_model(
             f"{name} has {counts.max()} states with the agent at {cell} and all other factors as "
             "in the first state; add factors that distinguish them"
         )
-    return PlainMap(name, *mdp.shape), mdp, states
+    two = isinstance(mdp.drawn, World) and mdp.drawn.second is not None
+    return mdp.drawn if two else PlainMap(name, *mdp.shape), mdp, states
 
 
 def _agents(world: World, tools: list[Cell], objects: list[Cell]) -> list[Cell]:

@@ -35,6 +35,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_most(parser)
     text = "of the first state alone; of a puzzle, then only what the horizon reaches is explored"
     parser.add_argument("--start", action="store_true", help=text)
+    text = "whose it is, of a map with two agents, as agent, or a table of several players"
+    parser.add_argument("--player", metavar="NAME", help=text)
+    text = "what the other players do: uniform (the default), or their best or worst for the player"
+    parser.add_argument("--others", choices=("uniform", "best", "worst"), help=text)
     text = "attribute of an environment that is not part of its state, such as a step counter"
     parser.add_argument("--ignore", action="append", default=[], metavar="NAME", help=text)
     parser.add_argument(
@@ -54,6 +58,8 @@ def run(args: Args) -> int:
         args.sensor,
         action_indices(args.actions),
         states,
+        player=args.player,
+        others=args.others,
         return_gap=True,
         **measure_options(args),
     )
@@ -72,10 +78,12 @@ def run(args: Args) -> int:
         summary["mean_equipped"] = float(values[mdp.flags["equipped"]].mean())
     if args.json:
         kind = {"unit": args.unit, "method": args.method}
+        if args.player is not None:
+            kind |= {"player": args.player, "others": args.others or "uniform"}
         return print_json(summary | kind | {"out": args.out and str(args.out)})
     print(
-        f"{lower_bounds(args)}{args.horizon}-step empowerment through the sensor {args.sensor!r}, "
-        f"in {args.unit}"
+        f"{lower_bounds(args)}{args.horizon}-step empowerment{_of_whom(args)} through the sensor "
+        f"{args.sensor!r}, in {args.unit}"
     )
     for name, value in summary.items():
         style = {"states": ",", "gap": ".2g"}.get(name, ".4f")
@@ -83,6 +91,14 @@ def run(args: Args) -> int:
     if args.out is not None:
         print_written(args.out)
     return 0
+
+
+def _of_whom(args: Args) -> str:
+    """The player and what the others do, as the first line says it."""
+    if args.player is None:
+        return ""
+    others = {"best": "at their best for it", "worst": "at their worst for it"}
+    return f" of {args.player!r}, the others {others.get(args.others, 'acting uniformly')},"
 
 
 def _table(args: Args) -> habilis.TabularMDP:

@@ -1,7 +1,7 @@
 """Empowerment: the capacity of the channel from the next h actions to the sensor."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, TypedDict, cast, overload
+from typing import Any, Literal, TypedDict, Unpack, cast, overload
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -46,7 +46,7 @@ class Options(TypedDict, total=False):
     """Further arguments of `empowerment`, which the measures made of it pass on; see there."""
 
     unit: Unit
-    method: Method
+    method: Method | Estimator
     show_progress: bool
 
 
@@ -63,10 +63,8 @@ def empowerment(
     budget: Any = ...,
     player: str | None = ...,
     others: Any = ...,
-    method: Method | Estimator = ...,
     return_gap: Literal[False] = ...,
-    unit: Unit = ...,
-    show_progress: bool = ...,
+    **options: Unpack[Options],
 ) -> Bits: ...
 
 
@@ -83,10 +81,8 @@ def empowerment(
     budget: Any = ...,
     player: str | None = ...,
     others: Any = ...,
-    method: Method = ...,
     return_gap: Literal[True],
-    unit: Unit = ...,
-    show_progress: bool = ...,
+    **options: Unpack[Options],
 ) -> tuple[Bits, Bits]: ...
 
 
