@@ -16,7 +16,7 @@ from disks import content, mounted
 import habilis as hb
 from habilis import files
 from habilis.analysis.data_frames import TABLES, save_table, to_dataframe
-from habilis.analysis.landscape import Landscape
+from habilis.analysis.landscape_values import Landscape
 from habilis.analysis.pairs import Pairs
 from habilis.cli import VERBS as VERB_MODULES
 from habilis.cli import main, parser

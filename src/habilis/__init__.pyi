@@ -4,6 +4,7 @@ from habilis.analysis import Pairs as Pairs
 from habilis.analysis import compare as compare
 from habilis.analysis import draw_landscapes as draw_landscapes
 from habilis.analysis import landscape as landscape
+from habilis.analysis import landscape_of as landscape_of
 from habilis.analysis import pairs as pairs
 from habilis.analysis import save_table as save_table
 from habilis.analysis import to_dataframe as to_dataframe

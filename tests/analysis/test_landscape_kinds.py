@@ -95,3 +95,25 @@ def test_a_puzzle_has_no_landscape_of_a_kind_that_needs_every_state(tmp_path):
     path.write_text("A  M0 G0 .\n.  .  .  .\n")
     with pytest.raises(ValueError, match="is a puzzle, of which 'effective' would need every"):
         hb.landscape(hb.load_pushworld(path), 2, "object:m0", kind="effective", discount=0.5)
+
+
+def test_any_measure_has_a_landscape():
+    world = hb.World.parse(MAP)
+    mdp = hb.tabulate(world)
+    cost = np.arange(1.0, mdp.action_count + 1)[None].repeat(mdp.states, axis=0)
+
+    def within(mdp, states):
+        return hb.empowerment(mdp, 2, "object", states=states, cost=cost, budget=6)
+
+    found = hb.landscape_of(world, within, title="within 6", mdp=mdp)
+    plain = hb.landscape(world, 2, "object")
+    np.testing.assert_array_equal(np.isnan(found.values), np.isnan(plain.values))
+    start = mdp.factor("agent")[mdp.start]
+    assert found.values.flat[start] == within(mdp, [mdp.start])[0]
+    assert found.title == "within 6"
+
+
+def test_a_measure_returns_a_number_for_each_state():
+    world = hb.World.parse(MAP)
+    with pytest.raises(ValueError, match=r"measure returns shape \(1,\) and type float64; let it"):
+        hb.landscape_of(world, lambda mdp, states: np.zeros(1))

@@ -37,7 +37,8 @@ def test_through_a_noisy_sensor_readings_are_counted(seed):
     noisy = distributions(rng, 3, 2)
     found = count_novelty(mdp, policy, 2, noisy, [0])[0]
     expected = np.zeros(2)
-    for probability, (one, two) in trajectories(P, policy, 0, 2):
+    for probability, path in trajectories(P, policy, 0, 2):
+        one, two = path[-2:]
         for first in range(2):
             for second in range(2):
                 visits = np.bincount([first, second], minlength=2)

@@ -27,7 +27,7 @@ def trajectories(P, policy, start, steps, ends=()):
 
     In the states of `ends` the agent stays.
     """
-    found = [(1.0, (start,))]
+    found: list[tuple[float, tuple[int, ...]]] = [(1.0, (start,))]
     for _ in range(steps):
         longer = []
         for probability, path in found:

@@ -4,7 +4,8 @@ from habilis.analysis.averages import average_empowerment, compare, ranking
 from habilis.analysis.data_frames import save_table, to_dataframe
 from habilis.analysis.futures import Futures, futures, futures_figure
 from habilis.analysis.influence import influence_range, latency, reliability
-from habilis.analysis.landscape import Landscape, draw_landscapes, landscape
+from habilis.analysis.landscape import landscape, landscape_of
+from habilis.analysis.landscape_values import Landscape, draw_landscapes
 from habilis.analysis.motivations import music, occupancy_entropy, skill_discriminability
 from habilis.analysis.novelty import count_novelty
 from habilis.analysis.occupancy import occupancy
@@ -27,6 +28,7 @@ __all__ = [
     "futures_figure",
     "influence_range",
     "landscape",
+    "landscape_of",
     "latency",
     "music",
     "occupancy",

@@ -1,15 +1,14 @@
-"""Landscapes: a value for every cell that the agent can be in, all else fixed."""
+"""Landscapes: empowerment, or any measure, for every cell of the agent, all else fixed."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64, Num
 from numpy.typing import ArrayLike
 
 from habilis.analysis.landscape_states import PlainMap, asked, asked_of_model, asked_of_puzzle
+from habilis.analysis.landscape_values import Landscape
 from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.empowerment.api import Options
 from habilis.empowerment.kinds import (
@@ -23,144 +22,18 @@ from habilis.empowerment.kinds import (
 from habilis.empowerment.methods import Exact, bounds_of
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor, is_noisy
-from habilis.files import save_whole, suffix_of
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel
-from habilis.reprs import counted, quietly, short, unfailing
 from habilis.worlds.placements import Factors
 from habilis.worlds.table import tabulate
 from habilis.worlds.things import Where
 from habilis.worlds.world import World
 
 if TYPE_CHECKING:
-    import polars as pl
     from matplotlib.axes import Axes
-    from matplotlib.collections import PolyCollection
-    from matplotlib.figure import Figure
 
-_NOTEBOOK = 960  # pixels across, at most
-_GAP, _HEAD, _BAR, _BAR_LABEL = 24, 36, 16, 64  # pixels
-
-
-@dataclass(frozen=True, eq=False)
-class Landscape:
-    """A value for every agent cell, tool and object fixed.
-
-    Attributes:
-        values: float64[rows, columns], in `unit`; NaN where the agent cannot be: walls, the cells
-            of tool and object.
-        world: the map, with tool and object where they were put; or the puzzle.
-        unit: "bits" or "nats".
-        title: what was measured, as a picture says it.
-        kind: of empowerment, as in `landscape`.
-        discount: of effective empowerment.
-        slack: of goal-directed empowerment.
-        gap: float64[rows, columns], by how much the true values may differ at most, in `unit`;
-            `None` where values are counts, without noise.
-    """
-
-    values: Float64[np.ndarray, "rows columns"]
-    world: World | PushWorld | PlainMap
-    unit: str = "bits"
-    title: str = ""
-    kind: str = OPEN_LOOP
-    discount: float | None = None
-    slack: int | None = None
-    gap: Float64[np.ndarray, "rows columns"] | None = None
-
-    def draw(
-        self,
-        ax: "Axes | None" = None,
-        vmin: float | None = None,
-        vmax: float | None = None,
-        labels: bool = True,
-        title: str | None = None,
-    ) -> "PolyCollection":
-        """Draws it as a heat map with the walls, the goal, the object and the tool.
-
-        Args:
-            ax: any Matplotlib axes; by default pyplot's current ones.
-            vmin, vmax: the ends of the colour scale; by default those of the values.
-            labels: whether to print the values. They grow and shrink with the axes, and are left
-                out while they would be too small to read.
-            title: stands above the map; by default what was measured, "" for nothing.
-
-        Returns:
-            What a colour bar needs: `figure.colorbar(mappable, ax=ax, label=landscape.unit)`.
-        """
-        from habilis.worlds.pictures.heatmap import draw_heat
-
-        if ax is None:
-            from matplotlib import pyplot
-
-            ax = pyplot.gca()
-        title = self.title if title is None else title
-        return draw_heat(
-            ax, self.world, self.values, vmin=vmin, vmax=vmax, labels=labels, title=title
-        )
-
-    def to_dataframe(self) -> "pl.DataFrame":
-        """One row a cell: row, column, and the value, null where there is none.
-
-        Besides, where they apply: the gap; and of a kind other than open loop its name, its
-        discount and its slack.
-        """
-        import polars as pl
-
-        row, column = np.indices(self.values.shape).reshape(2, -1)
-        measured = {self.unit: self.values} | ({} if self.gap is None else {"gap": self.gap})
-        columns = {name: values.ravel() for name, values in measured.items()}
-        table = pl.DataFrame({"row": row, "column": column, **columns})
-        settings = {name: pl.lit(value) for name, value in self.settings.items()}
-        return table.with_columns(pl.col(*columns).fill_nan(None), **settings)
-
-    @property
-    def settings(self) -> dict[str, str | float | int]:
-        """The kind and its settings, by name; of open loop, nothing."""
-        if self.kind == OPEN_LOOP:
-            return {}
-        given = {"kind": self.kind, "discount": self.discount, "slack": self.slack}
-        return {name: value for name, value in given.items() if value is not None}
-
-    def save(self, path: str | Path) -> None:
-        """Writes the picture, or the values, by the file's suffix.
-
-        Args:
-            path: ends with .png, .svg or .pdf for the picture with its colour scale; with .csv,
-                .parquet or .npz for the columns of `to_dataframe`; or with .npy for the values as
-                they are, float64[rows, columns].
-
-        Raises:
-            ValueError: another suffix, or the table cannot be written; nothing is written.
-        """
-        from habilis.analysis.data_frames import TABLES, save_table, write_array
-        from habilis.worlds.pictures.figures import PICTURES, save_figure
-
-        suffix = suffix_of(path, [*PICTURES, *TABLES])
-        if suffix in PICTURES:
-            save_figure(draw_landscapes({self.title: self}), path)
-        elif suffix == ".npy":
-            save_whole(path, lambda file: write_array(self.values, file))
-        else:
-            save_table(self.to_dataframe(), path)
-
-    @unfailing
-    def __repr__(self) -> str:
-        there = self.values[np.isfinite(self.values)]
-        most = f" to {there.max():.2f}" if there.size else ""
-        least = f"{there.min():.2f}" if there.size else "no"
-        where = f"{least}{most} {self.unit} in {counted(there.size, 'cell')}"
-        return short("Landscape", self.world.name, self.title, where)
-
-    @quietly
-    def _repr_png_(self) -> bytes:
-        """The picture, for notebooks."""
-        from io import BytesIO
-
-        cell = min(48, max(4, _NOTEBOOK // max(self.values.shape)))
-        picture = BytesIO()
-        draw_landscapes({self.title: self}, cell=cell).savefig(picture, format="png", dpi="figure")
-        return picture.getvalue()
+Measure = Callable[[TabularMDP, np.ndarray], ArrayLike]
+"""A function of a table and int64[n], its states, that returns float[n]."""
 
 
 @takes_old_keywords
@@ -214,50 +87,124 @@ def landscape(
         ((10, 10), 1.0)
     """
     checked_kind(kind, discount, slack)
-    show = options.get("show_progress", False)
-    shown: World | PushWorld | PlainMap
-    if isinstance(model, World):
-        _check_table(model, slip, tool, mdp)
-        if kind in WHOLE and mdp is None:
-            mdp = tabulate(model, slip, show_progress=show)
-        shown, mdp, states = asked(model, horizon, sensor, slip, tool, object, mdp, show)
-    elif isinstance(model, PushWorld):
-        if tool is not None or mdp is not None:
-            raise ValueError(f"{model.name} is a puzzle; leave out tool and mdp")
-        if kind in WHOLE:
-            raise ValueError(
-                f"{model.name} is a puzzle, of which {kind!r} would need every state; explore it, "
-                "and give the table"
-            )
-        shown, mdp, states = asked_of_puzzle(model, horizon, object, show)
-        mdp = mdp.slippery(slip)
-    else:
-        if tool is not None or object is not None or mdp is not None:
-            raise ValueError(f"{type(model).__name__} is not a map; leave out tool, object and mdp")
-        shown, mdp, states = asked_of_model(model, show)
-        mdp = mdp.slippery(slip)
-    values, gap = np.full((2, shown.height * shown.width), np.nan)
-    place = mdp.factor("agent")[states]
-    values[place], gap[place] = of_kind(
-        kind, mdp, horizon, sensor, actions, states, discount, slack, options
-    )
+    reach, show = None if kind in WHOLE else horizon, options.get("show_progress", False)
+    shown, mdp, states = _asked(model, reach, kind, sensor, slip, tool, object, mdp, show)
+    bits, gap = of_kind(kind, mdp, horizon, sensor, actions, states, discount, slack, options)
     method = options.get("method", Exact())
     counted = kind != EFFECTIVE and isinstance(method, Exact)
     counted &= not mdp.is_stochastic and not is_noisy(sensor)
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
     found = Landscape(
-        values=values.reshape(shown.height, shown.width),
+        values=_on_map(shown, mdp, states, bits),
         world=shown,
         unit=options.get("unit", "bits"),
         title=f"{bounds_of(method)}{_named(kind, horizon, discount)}{sensed}",
         kind=kind,
         discount=discount,
         slack=(slack or 0) if kind == GOAL_DIRECTED else None,
-        gap=None if counted else gap.reshape(shown.height, shown.width),
+        gap=None if counted else _on_map(shown, mdp, states, gap),
     )
     if ax is not None:
         found.draw(ax)
     return found
+
+
+def landscape_of(
+    model: AnyModel,
+    measure: Measure,
+    *,
+    unit: str = "bits",
+    title: str = "",
+    slip: float = 0.0,
+    tool: Where | None = None,
+    object: Where | None = None,
+    mdp: TabularMDP | None = None,
+    ax: "Axes | None" = None,
+) -> Landscape:
+    """Any measure of states for every agent cell, all other things fixed.
+
+    So every kind of empowerment has a landscape: within a budget, of one of several players, under
+    a trained policy; and so has any other quantity of states.
+
+    Args:
+        model: as in `landscape`, but of a puzzle give the table that `explore` makes.
+        measure: a function of the whole table and of int64[n], the states asked about, that
+            returns float[n].
+        unit: of the values.
+        title: what was measured, as a picture says it.
+        slip, tool, object, mdp, ax: as in `landscape`.
+
+    Returns:
+        The values by cell.
+
+    Raises:
+        ValueError: as in `landscape`; or the measure does not return one number a state.
+
+    Example:
+        >>> from habilis.worlds.world import load_world
+        >>> from habilis.empowerment import empowerment
+        >>> def careful(mdp, states):
+        ...     cost = np.tile([1, 1, 1, 1, 5, 5, 5, 5], (mdp.states, 1))  # to move the tool
+        ...     return empowerment(mdp, 3, "object", states=states, cost=cost, budget=4)
+        >>> landscape_of(load_world("corridor"), careful).values.shape
+        (10, 10)
+    """
+    shown, mdp, states = _asked(model, None, "measure", "state", slip, tool, object, mdp, False)
+    found = np.asarray(measure(mdp, states))
+    if found.shape != states.shape or found.dtype.kind not in "biuf":
+        raise ValueError(
+            f"measure returns shape {found.shape} and type {found.dtype}; let it return one number "
+            f"for each of the {len(states)} states"
+        )
+    landscape = Landscape(_on_map(shown, mdp, states, found), shown, unit, title)
+    if ax is not None:
+        landscape.draw(ax)
+    return landscape
+
+
+def _asked(
+    model: AnyModel,
+    horizon: int | None,
+    kind: str,
+    sensor: Sensor,
+    slip: float,
+    tool: Where | None,
+    object: Where | None,
+    mdp: TabularMDP | None,
+    show: bool,
+) -> "tuple[World | PushWorld | PlainMap, TabularMDP, Int64[np.ndarray, 'n']]":
+    """A map, its table, the whole one without a horizon, and the states of the agent's cells."""
+    if isinstance(model, World):
+        _check_table(model, slip, tool, mdp)
+        if horizon is None and mdp is None:
+            mdp = tabulate(model, slip, show_progress=show)
+        return asked(model, horizon or 0, sensor, slip, tool, object, mdp, show)
+    if isinstance(model, PushWorld):
+        if tool is not None or mdp is not None:
+            raise ValueError(f"{model.name} is a puzzle; leave out tool and mdp")
+        if horizon is None:
+            raise ValueError(
+                f"{model.name} is a puzzle, of which {kind!r} would need every state; explore it, "
+                "and give the table"
+            )
+        shown, table, states = asked_of_puzzle(model, horizon, object, show)
+        return shown, table.slippery(slip), states
+    if tool is not None or object is not None or mdp is not None:
+        raise ValueError(f"{type(model).__name__} is not a map; leave out tool, object and mdp")
+    shown, table, states = asked_of_model(model, show)
+    return shown, table.slippery(slip), states
+
+
+def _on_map(
+    shown: World | PushWorld | PlainMap,
+    mdp: TabularMDP,
+    states: Int64[np.ndarray, "n"],
+    found: Num[np.ndarray, "n"],
+) -> Float64[np.ndarray, "rows columns"]:
+    """Values of states where their agent is."""
+    values = np.full(shown.height * shown.width, np.nan)
+    values[mdp.factor("agent")[states]] = found
+    return values.reshape(shown.height, shown.width)
 
 
 def _named(kind: str, horizon: int, discount: float | None) -> str:
@@ -282,100 +229,3 @@ def _check_table(world: World, slip: float, tool: Where | None, mdp: TabularMDP 
         != tuple(name for name in mdp.factors if ":" in name or name in ("tool", "object"))
     ):
         raise ValueError(f"{world.name}: the table is of another map; give what `tabulate` made")
-
-
-def draw_landscapes(
-    landscapes: Mapping[str, Landscape],
-    axes: "Axes | Iterable[Any] | None" = None,
-    *,
-    cell: int | None = None,
-    labels: bool = True,
-) -> "Figure":
-    """Landscapes side by side, with one colour scale, and one bar for it.
-
-    Args:
-        landscapes: by their titles.
-        axes: one for each, such as `plt.subplots(1, 3)` makes; the bar takes a part of them. By
-            default those of a new figure, in one row.
-        cell: pixels a cell in a new figure; by default 48, and on maps of more than 100 cells
-            across fewer.
-        labels: whether to print the values (see `Landscape.draw`).
-
-    Returns:
-        The figure, which `savefig` saves.
-
-    Raises:
-        ValueError: no landscapes, another number of axes, or values in several units.
-
-    Example:
-        >>> from habilis.worlds.world import load_world
-        >>> world = load_world("corridor")
-        >>> panels = {f"{h} steps": landscape(world, h, "object") for h in (1, 3)}
-        >>> [ax.get_title() for ax in draw_landscapes(panels).axes]
-        ['1 steps', '3 steps', '']
-    """
-    from matplotlib.axes import Axes
-
-    from habilis.worlds.pictures.figures import cell_size
-    from habilis.worlds.pictures.heatmap import draw_scale, scale_of
-
-    panels = list(landscapes.items())
-    units = {landscape.unit for landscape in landscapes.values()}
-    if not panels:
-        raise ValueError("no landscapes to draw; give at least one")
-    if len(units) > 1:
-        raise ValueError(f"one colour scale for {' and '.join(sorted(units))}; give one unit")
-    vmin, vmax = scale_of(np.concatenate([found.values.ravel() for _, found in panels]))
-    if axes is None:
-        across = max(max(found.values.shape) for _, found in panels)
-        cell = cell_size(across) if cell is None else cell
-        places, bar = _new_axes([found for _, found in panels], cell)
-        place = {"cax": bar}
-    else:
-        places = [axes] if isinstance(axes, Axes) else list(np.ravel(np.asarray([*axes], object)))
-        place = {"ax": places}
-        if len(places) != len(panels):
-            raise ValueError(
-                f"{len(panels)} landscapes on {len(places)} axes; give one axes for each"
-            )
-    heats = [
-        found.draw(ax, vmin, vmax, labels, title)
-        for ax, (title, found) in zip(places, panels, strict=True)
-    ]
-    bar = draw_scale(heats[0], units.pop(), **place)
-    figure = places[0].get_figure(root=True)
-    assert figure is not None, "axes are on a figure"
-    if axes is not None and figure.get_layout_engine() is None:
-        _as_high_as(places, bar.ax)
-    return figure
-
-
-def _as_high_as(places: "list[Axes]", bar: "Axes") -> None:
-    """Maps have square cells, and so are lower than their axes may be."""
-    from matplotlib.transforms import Bbox
-
-    for ax in places:
-        ax.apply_aspect()
-    maps = Bbox.union([ax.get_position() for ax in places])
-    bar.set_position((bar.get_position().x0, maps.y0, bar.get_position().width, maps.height))
-
-
-def _new_axes(landscapes: list[Landscape], cell: int) -> "tuple[list[Axes], Axes]":
-    """One for each in a row, tops aligned, and those of the bar."""
-    from habilis.worlds.pictures.figures import new_figure
-
-    sizes = [(cell * found.world.width, cell * found.world.height) for found in landscapes]
-    tallest = max(height for _, height in sizes)
-    width = _GAP + sum(across + _GAP for across, _ in sizes) + _BAR + _BAR_LABEL
-    height = _HEAD + tallest + _GAP
-    figure = new_figure(width, height)
-
-    def axes(left: int, across: int, down: int) -> "Axes":
-        bottom = _GAP + tallest - down
-        return figure.add_axes((left / width, bottom / height, across / width, down / height))
-
-    places, left = [], _GAP
-    for across, down in sizes:
-        places.append(axes(left, across, down))
-        left += across + _GAP
-    return places, axes(left, _BAR, tallest)

@@ -1,7 +1,7 @@
 """Empowerment: the capacity of the channel from the next h actions to the sensor."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, TypedDict, Unpack, cast, overload
+from typing import Any, Literal, TypedDict, cast, overload
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -46,7 +46,7 @@ class Options(TypedDict, total=False):
     """Further arguments of `empowerment`, which the measures made of it pass on; see there."""
 
     unit: Unit
-    method: Method | Estimator
+    method: Method
     show_progress: bool
 
 
@@ -63,8 +63,10 @@ def empowerment(
     budget: Any = ...,
     player: str | None = ...,
     others: Any = ...,
+    method: Method | Estimator = ...,
     return_gap: Literal[False] = ...,
-    **options: Unpack[Options],
+    unit: Unit = ...,
+    show_progress: bool = ...,
 ) -> Bits: ...
 
 
@@ -81,8 +83,10 @@ def empowerment(
     budget: Any = ...,
     player: str | None = ...,
     others: Any = ...,
+    method: Method = ...,
     return_gap: Literal[True],
-    **options: Unpack[Options],
+    unit: Unit = ...,
+    show_progress: bool = ...,
 ) -> tuple[Bits, Bits]: ...
 
 

@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
 
-from habilis.channels.capacity_solver import best_inputs
 from habilis.empowerment.limits import Limits, too_much
 from habilis.empowerment.one_step import moves_of
 from habilis.empowerment.sensors import (
@@ -60,6 +59,8 @@ def of_trajectories(
     Raises:
         ValueError: a channel, or the sets of states, that take more memory.
     """
+    from habilis.channels.capacity_solver import best_inputs
+
     asked, place = np.unique(states, return_inverse=True)
     bits, gaps = np.zeros((2, len(asked)))
     if not mdp.is_stochastic and not is_noisy(sensor):

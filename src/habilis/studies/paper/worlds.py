@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int32, Int64
 
 from habilis.analysis.averages import compared_states
-from habilis.analysis.landscape import Landscape, landscape
+from habilis.analysis.landscape import landscape
+from habilis.analysis.landscape_values import Landscape
 from habilis.empowerment.api import empowerment
 from habilis.mdp import TabularMDP
 from habilis.studies.paper.published import FIRST_WORLD, SECOND_WORLD

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import PercentFormatter
 
-from habilis.analysis.landscape import draw_landscapes
+from habilis.analysis.landscape_values import draw_landscapes
 from habilis.colours import COLOURS
 from habilis.learning.curves import SMOOTHING
 from habilis.learning.runs import Run
