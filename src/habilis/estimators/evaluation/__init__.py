@@ -1,0 +1,1 @@
+"""Exact cases that estimators are held against, and what comes of it."""
