@@ -29,6 +29,8 @@ from habilis.estimators import Counting as Counting
 from habilis.estimators import Gaussian as Gaussian
 from habilis.estimators import MonteCarlo as MonteCarlo
 from habilis.estimators import Simulator as Simulator
+from habilis.estimators import evaluate as evaluate
+from habilis.estimators import suite as suite
 from habilis.learning import A2C as A2C
 from habilis.learning import PPO as PPO
 from habilis.learning import Config as Config

@@ -21,8 +21,7 @@ class Case:
         states: float64[n, d], the states asked about.
         bits: float64[n], the truth.
         error: float64[n], by how much the truth may be wrong: 0 of a count, the certified gap of a
-            capacity that the solver found, the difference to half the resolution of one found by
-            discretisation.
+            capacity that the solver found; of a line, by how much finer actions could be better.
         target: "capacity", or "effective": the information of the first of the h actions, all drawn
             uniformly, and the observation after the last.
         power: the bound on E ||(a_1 ... a_h)||^2 of a world whose actions have no other; `None`
