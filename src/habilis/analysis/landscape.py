@@ -17,6 +17,7 @@ from habilis.empowerment.kinds import (
     OPEN_LOOP,
     WHOLE,
     checked_kind,
+    named,
     of_kind,
 )
 from habilis.empowerment.methods import Exact, bounds_of
@@ -98,7 +99,7 @@ def landscape(
         values=_on_map(shown, mdp, states, bits),
         world=shown,
         unit=options.get("unit", "bits"),
-        title=f"{bounds_of(method)}{_named(kind, horizon, discount)}{sensed}",
+        title=f"{bounds_of(method)}{named(kind, horizon, discount)}{sensed}",
         kind=kind,
         discount=discount,
         slack=(slack or 0) if kind == GOAL_DIRECTED else None,
@@ -205,12 +206,6 @@ def _on_map(
     values = np.full(shown.height * shown.width, np.nan)
     values[mdp.factor("agent")[states]] = found
     return values.reshape(shown.height, shown.width)
-
-
-def _named(kind: str, horizon: int, discount: float | None) -> str:
-    if kind == EFFECTIVE:
-        return f"effective empowerment, discount {discount:g}"
-    return f"{horizon}-step {'' if kind == OPEN_LOOP else kind + ' '}empowerment"
 
 
 def _check_table(world: World, slip: float, tool: Where | None, mdp: TabularMDP | None) -> None:

@@ -3,12 +3,16 @@
 import argparse
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Float64
+
 import habilis
 from habilis.bridges import table_files
 from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.cli.arguments import (
     Args,
     action_indices,
+    add_kind,
     add_measure,
     add_most,
     add_options,
@@ -18,6 +22,7 @@ from habilis.cli.arguments import (
 )
 from habilis.cli.output import lower_bounds, print_json, print_written, shows_progress
 from habilis.cli.puzzles import puzzle_of
+from habilis.empowerment.kinds import OPEN_LOOP, checked_kind, named, of_kind
 from habilis.extras import import_from
 from habilis.files import TABLES
 from habilis.models.limits import TooManyStatesError
@@ -31,6 +36,7 @@ COMMON: tuple[str, ...] = ("--horizon", "--sensor", "--out")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_world(parser, or_environment=True)
     add_measure(parser)
+    add_kind(parser)
     add_options(parser)
     add_most(parser)
     text = "of the first state alone; of a puzzle, then only what the horizon reaches is explored"
@@ -52,17 +58,7 @@ def run(args: Args) -> int:
 
     mdp = _table(args)
     states = [mdp.start] if args.start else None
-    values, gap = habilis.empowerment(
-        mdp,
-        args.horizon,
-        args.sensor,
-        action_indices(args.actions),
-        states,
-        player=args.player,
-        others=args.others,
-        return_gap=True,
-        **measure_options(args),
-    )
+    values, gap = _values(args, mdp, states)
     if args.out is not None:
         with_gap = gap.any() and args.out.suffix.lower() != ".npy"  # one column of values
         columns = {args.unit: values} | ({"gap": gap} if with_gap else {})
@@ -78,12 +74,14 @@ def run(args: Args) -> int:
         summary["mean_equipped"] = float(values[mdp.flags["equipped"]].mean())
     if args.json:
         kind = {"unit": args.unit, "method": args.method}
+        if args.kind != OPEN_LOOP:
+            kind |= {"kind": args.kind}
         if args.player is not None:
             kind |= {"player": args.player, "others": args.others or "uniform"}
         return print_json(summary | kind | {"out": args.out and str(args.out)})
     print(
-        f"{lower_bounds(args)}{args.horizon}-step empowerment{_of_whom(args)} through the sensor "
-        f"{args.sensor!r}, in {args.unit}"
+        f"{lower_bounds(args)}{named(args.kind, args.horizon, args.discount)}{_of_whom(args)} "
+        f"through the sensor {args.sensor!r}, in {args.unit}"
     )
     for name, value in summary.items():
         style = {"states": ",", "gap": ".2g"}.get(name, ".4f")
@@ -91,6 +89,27 @@ def run(args: Args) -> int:
     if args.out is not None:
         print_written(args.out)
     return 0
+
+
+def _values(
+    args: Args, mdp: habilis.TabularMDP, states: list[int] | None
+) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
+    """Values and gaps."""
+    asked = args.horizon, args.sensor, action_indices(args.actions), states
+    options = measure_options(args)
+    checked_kind(args.kind, args.discount, args.slack)
+    if args.kind == OPEN_LOOP:
+        players = {"player": args.player, "others": args.others}
+        return habilis.empowerment(mdp, *asked, **players, return_gap=True, **options)
+    if args.others in ("best", "worst"):
+        raise ValueError(
+            f"--others {args.others} goes with --kind {OPEN_LOOP}; leave one of them out"
+        )
+    if args.player is not None:
+        mdp = mdp.of_player(args.player, args.others or "uniform")
+    elif args.others is not None:
+        raise ValueError("--others is given without --player; name the player")
+    return of_kind(args.kind, mdp, *asked, args.discount, args.slack, options)
 
 
 def _of_whom(args: Args) -> str:

@@ -38,6 +38,13 @@ def checked_kind(kind: str, discount: float | None, slack: int | None) -> str:
     return kind
 
 
+def named(kind: str, horizon: int, discount: float | None) -> str:
+    """A kind in words, with what it looks ahead by."""
+    if kind == EFFECTIVE:
+        return f"effective empowerment, discount {discount:g}"
+    return f"{horizon}-step {'' if kind == OPEN_LOOP else kind + ' '}empowerment"
+
+
 def of_kind(
     kind: str,
     mdp: TabularMDP,
