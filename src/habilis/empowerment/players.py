@@ -25,7 +25,7 @@ from habilis.channels.capacity_solver import best_inputs
 from habilis.empowerment.arguments import chosen_actions, chosen_states
 from habilis.empowerment.combined import check_single
 from habilis.empowerment.initial_beliefs import are_beliefs
-from habilis.empowerment.limits import Limits, takes, too_much
+from habilis.empowerment.limits import Limits, too_much
 from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, is_noisy, observations
@@ -351,13 +351,14 @@ class _Clock:
             return
         seconds = self.step_began - self.began + in_step / share
         if seconds > self.limits.seconds:
-            raise too_much(self.horizon, step, self.limits, takes(0, seconds), estimated=True)
+            cost = f"takes about {seconds:.3g} s"
+            raise too_much(self.horizon, step, self.limits, cost, estimated=True)
 
     def check_all(self, share: float) -> None:
         """The same of all states, given the share of them that is done."""
         elapsed = time.monotonic() - self.began
         if elapsed >= min(_TRIAL, self.limits.seconds) and elapsed / share > self.limits.seconds:
-            cost = takes(0, elapsed / share)
+            cost = f"takes about {elapsed / share:.3g} s"
             raise too_much(self.horizon, self.horizon - 1, self.limits, cost, estimated=True)
 
     def check_memory(self, held: float, step: int) -> None:
