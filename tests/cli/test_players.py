@@ -59,8 +59,15 @@ def test_a_map_with_two_agents_is_drawn(capsys, hall):
     assert reported["map"] == ["A..D.E"]
 
 
+def test_a_landscape_is_of_the_player_that_is_named(capsys, hall):
+    asked = "landscape", hall, "--horizon", "2", "--sensor", "agent2", "--player", "agent2"
+    found = answer(capsys, *asked, "--others", "worst")["values"]
+    values = hb.landscape(hb.World.parse(HALL), 2, "agent2", player="agent2", others="worst").values
+    assert found == [[None if value != value else value for value in values[0]]]
+
+
 def test_what_is_for_one_agent_refuses_two_in_one_line(capsys, hall, tmp_path):
-    for verb in ("landscape", "compare", "futures"):
+    for verb in ("compare", "futures"):
         assert "two agents, and this is for one" in refused(capsys, verb, hall, "--horizon", "2")
     out = str(tmp_path / "run")
     assert "two agents, and this is for one" in refused(capsys, "train", hall, "--out", out)

@@ -166,6 +166,28 @@ def test_what_is_explored_around_placements_is_part_of_the_table():
     assert hb.explore(world, [placement], horizon=1).states < mdp.states
 
 
+def test_a_landscape_is_over_the_first_agents_cell():
+    world = hb.World.parse("E = agent\n##.##\nE..A.", "corridor")
+    mdp = hb.tabulate(world)
+    for others in ("uniform", "best", "worst"):
+        values = hb.empowerment(mdp, 2, "agent2", player="agent2", others=others)
+        found = landscape(world, 2, "agent2", player="agent2", others=others)
+        assert np.isnan(found.values[1, 0])
+        for row, column in ((0, 2), (1, 1), (1, 4)):
+            state = mdp.find(agent=(row, column), agent2=(1, 0))
+            assert found.values[row, column] == pytest.approx(values[state], abs=1e-6)
+    assert found.world == world
+    assert found.title == "2-step empowerment of agent2, sensor 'agent2'"
+    closed = landscape(mdp, 1, "agent2", player="agent2", kind="closed-loop")
+    assert closed.values[1, 3] == pytest.approx(
+        hb.empowerment(mdp, 1, "agent2", player="agent2", states=[mdp.start])[0], abs=1e-5
+    )
+    with pytest.raises(ValueError, match="kind 'closed-loop'; give the others a policy"):
+        landscape(mdp, 1, player="agent2", others="best", kind="closed-loop")
+    with pytest.raises(ValueError, match="is a map with two agents; leave out tool, object"):
+        landscape(world, 1, object=(0, 2))
+
+
 def test_noise_replaces_the_joint_action():
     world = hb.World.parse(CORRIDOR)
     assert hb.tabulate(world, slip=0.5).players == {"agent": 5, "agent2": 5}
@@ -240,7 +262,6 @@ def test_what_is_for_one_agent_refuses_two(tmp_path):
     (tmp_path / "house.txt").write_text(HOUSE)
     config = hb.Config(world=str(tmp_path / "house.txt"), episodes=1)
     for call in (
-        lambda: landscape(world, 1),
         lambda: pairs(world, 1),
         lambda: usefulness(world, 1),
         lambda: hb.compare(world, ["broom"], 1),

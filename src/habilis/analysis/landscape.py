@@ -1,7 +1,7 @@
 """Landscapes: empowerment, or any measure, for every cell of the agent, all else fixed."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from jaxtyping import Float64, Int64, Num
@@ -22,6 +22,7 @@ from habilis.empowerment.kinds import (
 )
 from habilis.empowerment.methods import Exact, bounds_of
 from habilis.empowerment.old_keywords import takes_old_keywords
+from habilis.empowerment.players import played_by
 from habilis.empowerment.sensors import Sensor, is_noisy
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel
@@ -51,6 +52,8 @@ def landscape(
     tool: Where | None = None,
     object: Where | None = None,
     mdp: TabularMDP | None = None,
+    player: str | None = None,
+    others: Any = None,
     ax: "Axes | None" = None,
     **options: Unpack[Options],
 ) -> Landscape:
@@ -60,6 +63,7 @@ def landscape(
         model: a map, or a puzzle, of which the agent's cell is that of its corner; no more of them
             is explored than the horizon reaches. Or any other model or table whose factor "agent"
             is a cell: the states are those that differ from its first state in that factor alone.
+            A map with two agents is one of these.
         horizon, sensor, actions: as in `empowerment`.
         kind: "open-loop"; "effective", under the uniform policy, which has a discount and no
             horizon; "closed-loop"; or "goal-directed", towards the terminal states.
@@ -71,6 +75,8 @@ def landscape(
             states. Of several, cells by names, as `tool={"rake": (2, 3)}`: these may lie anywhere,
             and the first beside the agent is in hand. Of a puzzle, `object={"m1": (2, 3)}`.
         mdp: the world's table, if it is at hand.
+        player, others: as in `empowerment`, of a map with two agents or a table of several players.
+            The cells are those of "agent", whichever player it is.
         ax: Matplotlib axes to draw it on at once (see `Landscape.draw`).
         **options: `method`, `unit` and `show_progress`, as in `empowerment`.
 
@@ -90,16 +96,20 @@ def landscape(
     checked_kind(kind, discount, slack)
     reach, show = None if kind in WHOLE else horizon, options.get("show_progress", False)
     shown, mdp, states = _asked(model, reach, kind, sensor, slip, tool, object, mdp, show)
-    bits, gap = of_kind(kind, mdp, horizon, sensor, actions, states, discount, slack, options)
+    mdp, against = played_by(mdp, player, others, isinstance(model, TabularMDP))
+    bits, gap = of_kind(
+        kind, mdp, horizon, sensor, actions, states, discount, slack, options, against
+    )
     method = options.get("method", Exact())
     counted = kind != EFFECTIVE and isinstance(method, Exact)
     counted &= not mdp.is_stochastic and not is_noisy(sensor)
+    whose = "" if player is None else f" of {player}"
     sensed = f", sensor {sensor!r}" if isinstance(sensor, str) else ""
     found = Landscape(
         values=_on_map(shown, mdp, states, bits),
         world=shown,
         unit=options.get("unit", "bits"),
-        title=f"{bounds_of(method)}{named(kind, horizon, discount)}{sensed}",
+        title=f"{bounds_of(method)}{named(kind, horizon, discount)}{whose}{sensed}",
         kind=kind,
         discount=discount,
         slack=(slack or 0) if kind == GOAL_DIRECTED else None,
@@ -175,7 +185,7 @@ def _asked(
     show: bool,
 ) -> "tuple[World | PushWorld | PlainMap, TabularMDP, Int64[np.ndarray, 'n']]":
     """A map, its table, the whole one without a horizon, and the states of the agent's cells."""
-    if isinstance(model, World):
+    if isinstance(model, World) and model.second is None:
         _check_table(model, slip, tool, mdp)
         if horizon is None and mdp is None:
             mdp = tabulate(model, slip, show_progress=show)
@@ -191,7 +201,8 @@ def _asked(
         shown, table, states = asked_of_puzzle(model, horizon, object, show)
         return shown, table.slippery(slip), states
     if tool is not None or object is not None or mdp is not None:
-        raise ValueError(f"{type(model).__name__} is not a map; leave out tool, object and mdp")
+        what = "a map with two agents" if isinstance(model, World) else "not a map"
+        raise ValueError(f"{type(model).__name__} is {what}; leave out tool, object and mdp")
     shown, table, states = asked_of_model(model, show)
     return shown, table.slippery(slip), states
 

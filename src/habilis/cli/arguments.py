@@ -49,6 +49,14 @@ def add_kind(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--slack", type=int, metavar="N", help=text)
 
 
+def add_player(parser: argparse.ArgumentParser) -> None:
+    """Whose empowerment it is, where there are several agents."""
+    text = "whose it is, of a map with two agents, as agent, or a table of several players"
+    parser.add_argument("--player", metavar="NAME", help=text)
+    text = "what the other players do: uniform (the default), or their best or worst for the player"
+    parser.add_argument("--others", choices=("uniform", "best", "worst"), help=text)
+
+
 def add_places(parser: argparse.ArgumentParser) -> None:
     cell: dict[str, Any] = {"type": parse_placed_cell, "metavar": "[NAME=]ROW,COLUMN"}
     text = "cell of the tool (default: that of the map); one of several as picker=2,6; repeatable"

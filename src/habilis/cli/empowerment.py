@@ -16,6 +16,7 @@ from habilis.cli.arguments import (
     add_measure,
     add_most,
     add_options,
+    add_player,
     add_world,
     max_states,
     measure_options,
@@ -41,10 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_most(parser)
     text = "of the first state alone; of a puzzle, then only what the horizon reaches is explored"
     parser.add_argument("--start", action="store_true", help=text)
-    text = "whose it is, of a map with two agents, as agent, or a table of several players"
-    parser.add_argument("--player", metavar="NAME", help=text)
-    text = "what the other players do: uniform (the default), or their best or worst for the player"
-    parser.add_argument("--others", choices=("uniform", "best", "worst"), help=text)
+    add_player(parser)
     text = "attribute of an environment that is not part of its state, such as a step counter"
     parser.add_argument("--ignore", action="append", default=[], metavar="NAME", help=text)
     parser.add_argument(

@@ -13,6 +13,7 @@ from habilis.cli.arguments import (
     add_measure,
     add_options,
     add_places,
+    add_player,
     add_world,
     cells_of,
     measure_options,
@@ -34,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_options(parser)
     add_places(parser)
     add_kind(parser)
+    add_player(parser)
     kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     parser.add_argument("--out", type=Path, metavar="F.png", help=kinds)
     parser.set_defaults(writes={"out": (*PICTURES, *TABLES)})
@@ -58,6 +60,8 @@ def run(args: Args) -> int:
         discount=args.discount,
         slack=args.slack,
         slip=args.slip,
+        player=args.player,
+        others=args.others,
         **where,
         **measure_options(args),
     )

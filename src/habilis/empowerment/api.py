@@ -200,15 +200,14 @@ def empowerment(
     else:
         mdp, states = _around(model, horizon, sensor, states, show_progress)
     if player is not None or others is not None:
-        from habilis.empowerment.players import against_others, checked_others, is_extreme
+        from habilis.empowerment.players import against_others, played_by
 
-        name = checked_others(mdp, player, others, isinstance(model, TabularMDP))
-        if is_extreme(others):
+        mdp, against = played_by(mdp, player, others, isinstance(model, TabularMDP))
+        if against is not None:
             plain = sensor_at == "end" and cost is None and budget is None
-            one = mdp, name, others, horizon, sensor, actions, states, method, scale, plain
+            one = mdp, *against, horizon, sensor, actions, states, method, scale, plain
             bits, gap = against_others(*one)
             return (bits, gap) if return_gap else bits
-        mdp = mdp.of_player(name, "uniform" if others is None else others)
     used = chosen_actions(mdp, actions)
     if sensor_at not in ("end", "each step"):
         raise ValueError(f"sensor_at is {sensor_at!r}; use 'end' or 'each step'")

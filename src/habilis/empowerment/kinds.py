@@ -55,10 +55,12 @@ def of_kind(
     discount: float | None,
     slack: int | None,
     options: Options,
+    against: tuple[str, str] | None = None,
 ) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
     """Values of a kind, and their gaps; see the function of each.
 
-    Effective empowerment is that of the uniform policy, and has no horizon.
+    Effective empowerment is that of the uniform policy, and has no horizon. Of a table of several
+    players `against` is a player, and whether the others do their "best" or their "worst".
 
     Returns:
         In the unit of `options`; gaps are 0 where values are counts.
@@ -67,7 +69,11 @@ def of_kind(
         ValueError: as there; or the kind does not know an option.
     """
     if kind == OPEN_LOOP:
-        return empowerment(mdp, horizon, sensor, actions, states, return_gap=True, **options)
+        player, others = against or (None, None)
+        some: Any = {"player": player, "others": others, **options}
+        return empowerment(mdp, horizon, sensor, actions, states, return_gap=True, **some)
+    if against is not None:
+        raise ValueError(f"others is {against[1]!r} and kind {kind!r}; give the others a policy")
     method, unit = options.get("method", Exact()), options.get("unit", "bits")
     show = options.get("show_progress", False)
     if not isinstance(method, Exact):

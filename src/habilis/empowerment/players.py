@@ -52,6 +52,27 @@ def is_extreme(others: Any) -> bool:
     return isinstance(others, str) and others in EXTREMES
 
 
+def played_by(
+    mdp: TabularMDP, player: str | None, others: Any, is_table: bool
+) -> tuple[TabularMDP, tuple[str, str] | None]:
+    """The table of a player whose others act by a policy; else the same, and who is against whom.
+
+    Args:
+        mdp: a table.
+        player, others: as in `empowerment`; without either the table stays as it is.
+        is_table: whether the table was given, so that its states have numbers.
+
+    Raises:
+        ValueError: as in `checked_others` and `TabularMDP.of_player`.
+    """
+    if player is None and others is None:
+        return mdp, None
+    player = checked_others(mdp, player, others, is_table)
+    if is_extreme(others):
+        return mdp, (player, others)
+    return mdp.of_player(player, UNIFORM if others is None else others), None
+
+
 def checked_others(mdp: TabularMDP, player: Any, others: Any, is_table: bool) -> str:
     """The player, unless it is missing, or the others have a policy over states without numbers.
 

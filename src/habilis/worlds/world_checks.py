@@ -85,5 +85,5 @@ def check_one_agent(world: "World") -> None:
     if world.second is not None:
         raise ValueError(
             f"{world.name}: the map has two agents, and this is for one; give a map with one "
-            "(tabulate, explore, solve and empowerment take two)"
+            "(tabulate, explore, solve, empowerment and landscape take two)"
         )
