@@ -1,18 +1,15 @@
 """Code of what is on the screen: run, it gives the same numbers; and films of placements."""
 
 import base64
-import contextlib
 import io
 import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+from studio_code import python_of, shell, shown_grid
 
 import habilis as hb
 from studio import Page, scene
@@ -24,32 +21,6 @@ CLOSED = hb.World.parse("X = broom\nD = ball\nG = goal of C\nAX.C\nP..D\n...G\n.
 BOTH_TOOLS = scene(CLOSED, sensor="cells", cells=[[0, 2], [3, 3]], horizon=1)
 del BOTH_TOOLS["tool"]
 NUMBERS = re.compile(r"-?\d+\.\d+|\bnan\b")
-
-
-def python_of(script: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[dict, str]:
-    """What a script defines and prints."""
-    monkeypatch.chdir(folder)
-    names: dict = {}
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed):
-        exec(script, names)
-    return names, printed.getvalue()
-
-
-def shell(command: str, folder: Path) -> str:
-    """What a command prints."""
-    (folder / "habilis").write_text(f'#!/bin/sh\nexec {sys.executable} -m habilis "$@"\n')
-    (folder / "habilis").chmod(0o755)
-    environment = os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"}
-    done = subprocess.run(
-        ["bash", "-ec", command], cwd=folder, env=environment, capture_output=True, text=True
-    )
-    assert not done.returncode, done.stderr
-    return done.stdout
-
-
-def shown_grid(answer: dict) -> np.ndarray:
-    return np.array(answer["landscape"], float)
 
 
 QUESTIONS = [

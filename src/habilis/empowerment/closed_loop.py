@@ -212,6 +212,23 @@ def closed_loop_empowerment(
     return (lower * scale, gap * scale) if return_gap else lower * scale
 
 
+def possible_observations(
+    mdp: TabularMDP,
+    horizon: int,
+    sensor: Sensor,
+    states: Int64[np.ndarray, "n"],
+    actions: Int64[np.ndarray, "A"],
+) -> list[int]:
+    """The number of observations that are possible from each state; the cost grows fast with it."""
+    moves, seen = moves_of(mdp.transitions), last_observations(mdp, sensor)
+    if horizon == 0:
+        return [1] * len(states)
+    return [
+        shape_of(_steps_of(mdp, moves, seen, start, horizon, actions).moves[-1])[1]
+        for start in states.tolist()
+    ]
+
+
 def _steps_of(
     mdp: TabularMDP,
     moves: "csr_array",

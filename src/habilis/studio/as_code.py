@@ -40,12 +40,14 @@ def landscape(scene: Scene, world: World, tools: Sequence[str]) -> Written:
     bare = not scene.world.tools and bool(world.tools)
     sensor, lines = _sensor(scene)
     python = _opening(world, bare, lines)
-    if lines:  # the agent may be where it can never come
+    of = scene.measured
+    tabulated = bool(lines) or (of.needs_whole and not world.single)
+    if tabulated:  # the agent may be where it can never come
         things = {name: at for name, at in scene.placement.items() if name != "agent"}
         python += [f"things = {_literal(things)}"]
         python += ['starts = [{**things, "agent": cell} for cell in world.agent_cells]']
         python += [f"mdp = hb.tabulate(world{_slip(scene)}, starts=starts)", *lines]
-    given = ", mdp=mdp" if lines else _slip(scene)
+    given = of.keywords() + (", mdp=mdp" if tabulated else _slip(scene))
     python += [f"landscape = hb.landscape(world, {_arguments(scene, sensor)}{given})"]
     python += ["print(landscape.values)"]
     several = len(world.objects) > 1
@@ -59,7 +61,7 @@ def landscape(scene: Scene, world: World, tools: Sequence[str]) -> Written:
         slip = ["--slip", str(scene.slip)] if scene.slip else []
         listed = ["--tools", ",".join(tools), "--horizon", str(scene.horizon)]
         verbs += [["habilis", "compare", _FILE, *listed, *slip]]
-    return Written(_script(python), None if scene.sensor == "cells" else _shell(world, verbs))
+    return Written(_script(python), None if tabulated else _shell(world, verbs))
 
 
 def pairs(scene: Scene, world: World, tools: Sequence[str]) -> Written:
@@ -93,8 +95,8 @@ def game(scene: Scene, world: World, path: Sequence[Placement]) -> Written:
     # It may have begun where nothing comes to from the map's own placement.
     python += [f"mdp = hb.tabulate(world{_slip(scene)}, starts=path)", *lines]
     python += ["states = [mdp.find(**place) for place in path]"]
-    asked = f"mdp, {_arguments(scene, sensor)}, states=states"
-    python += [f"bits = hb.empowerment({asked})", "print(bits)"]
+    asked = scene.measured.expression("mdp", scene.horizon, sensor, _chosen(scene), "states")
+    python += [f"bits = {asked}", "print(bits)"]
     last, command = path[-1], ["habilis", "landscape", _FILE, *_options(scene)]
     command += ["--tool", NO_TOOL] if bare else []
     for name, cell in last.items():
@@ -104,6 +106,7 @@ def game(scene: Scene, world: World, path: Sequence[Placement]) -> Written:
             command += [f"--{kind}-at", f"{which}={place}" if which else place]
     hands = [name for name in last if name in ("held", "laid")]
     whole = scene.sensor != "cells" and not hands
+    whole &= world.single or not scene.measured.needs_whole
     return Written(_script(python), _shell(world, [command]) if whole else None)
 
 
@@ -201,9 +204,12 @@ def _name(scene: Scene) -> str:
 
 def _arguments(scene: Scene, sensor: str) -> str:
     """Horizon, sensor and actions."""
+    return f"{scene.horizon}, {sensor}{_chosen(scene)}"
+
+
+def _chosen(scene: Scene) -> str:
     actions = scene.action_indices
-    chosen = "" if actions is None else f", actions={list(actions)}"
-    return f"{scene.horizon}, {sensor}{chosen}"
+    return "" if actions is None else f", actions={list(actions)}"
 
 
 def _slip(scene: Scene) -> str:
@@ -216,6 +222,7 @@ def _options(scene: Scene) -> list[str]:
         return []
     options = ["--horizon", str(scene.horizon), "--sensor", _name(scene)]
     options += [] if scene.actions == "all" else ["--actions", scene.actions]
+    options += scene.measured.options()
     return options + (["--slip", str(scene.slip)] if scene.slip else [])
 
 

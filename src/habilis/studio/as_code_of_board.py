@@ -30,21 +30,31 @@ def code(scene: BoardScene, source: str, view: str, placements: Sequence[Placeme
     actions = scene.action_indices
     chosen = "" if actions is None else f", actions={list(actions)}"
     python = ["import habilis as hb", "", f"puzzle = {_loaded(source)}"]
-    if view == "landscape":
+    of = scene.measured
+    if view == "landscape" and not of.needs_whole:
         slip = f", slip={scene.slip}" if scene.slip else ""
-        asked = f"puzzle, {scene.horizon}, {scene.sensor!r}{chosen}{slip}"
+        asked = f"puzzle, {scene.horizon}, {scene.sensor!r}{chosen}{of.keywords()}{slip}"
         python += [f"landscape = hb.landscape({asked})", "print(landscape.values)"]
         command = ["habilis", "landscape", source, "--horizon", str(scene.horizon)]
         command += ["--sensor", scene.sensor]
         command += [] if actions is None else ["--actions", ",".join(map(str, actions))]
+        command += of.options()
         command += ["--slip", str(scene.slip)] if scene.slip else []
         return Written("\n".join(python) + "\n", shlex.join(command) + "\n")
+    cells = list(scene.agents)
     states = [scene.where(placement) for placement in placements] or [scene.board.start]
+    if view == "landscape":
+        states = list(scene.agents.values())
     slip = f".slippery({scene.slip})" if scene.slip else ""
-    python += [f"states = {states}", f"mdp = hb.explore(puzzle, states, {scene.horizon}){slip}"]
+    reach = "" if of.needs_whole else f", {scene.horizon}"
+    python += [f"states = {states}", f"mdp = hb.explore(puzzle, states{reach}){slip}"]
     python += ["indices = [mdp.index(state) for state in states]"]
-    asked = f"mdp, {scene.horizon}, {scene.sensor!r}{chosen}, states=indices"
-    python += [f"bits = hb.empowerment({asked})", "print(bits)"]
+    asked = of.expression("mdp", scene.horizon, repr(scene.sensor), chosen, "indices")
+    python += [f"bits = {asked}"]
+    if view == "landscape":
+        python += [f"cells = {cells}", "print(dict(zip(cells, bits.tolist())))"]
+    else:
+        python += ["print(bits)"]
     return Written("\n".join(python) + "\n", None)
 
 

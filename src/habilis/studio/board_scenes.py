@@ -9,7 +9,10 @@ from jaxtyping import Int
 from msgspec import UNSET
 
 from habilis.mdp import TabularMDP
-from habilis.studio.boards import Board, State
+from habilis.models.limits import TooManyStatesError
+from habilis.studio.boards import Board, State, with_goals
+from habilis.studio.limits import BOARD_STATES
+from habilis.studio.measured_kinds import OPEN, Measured
 from habilis.studio.protocol import scenes as protocol
 from habilis.studio.scenes import ELSEWHERE
 from habilis.worlds.grid import Cell
@@ -27,6 +30,7 @@ class BoardScene:
         actions: the indices of those that are counted; `None` for all.
         slip: the probability that a random action replaces the chosen one.
         at: where all but the agent is.
+        measured: the kind of empowerment.
     """
 
     board: Board
@@ -35,6 +39,7 @@ class BoardScene:
     actions: tuple[int, ...] | None
     slip: float
     at: State
+    measured: Measured = OPEN
 
     @classmethod
     def of(cls, asked: protocol.Scene, board: Board | None) -> "BoardScene":
@@ -65,7 +70,7 @@ class BoardScene:
             most = len(board.actions) - 1
             raise ValueError(f"only is {list(only)}; give indices of actions from 0 to {most}")
         sensor = "state" if asked.sensor == "state" else board.factors[asked.thing]
-        return cls(board, sensor, asked.horizon, only, asked.slip, board.start)
+        return cls(board, sensor, asked.horizon, only, asked.slip, board.start, Measured.of(asked))
 
     @property
     def height(self) -> int:
@@ -98,6 +103,21 @@ class BoardScene:
     def around(self, places: list[Any], horizon: int) -> tuple[TabularMDP, Int[np.ndarray, "n"]]:
         """A table of what can be reached from some states, and their indices."""
         return self.board.around(places, horizon)
+
+    def whole(self, places: list[Any]) -> tuple[TabularMDP, Int[np.ndarray, "n"]]:
+        """The same of all that can ever be reached.
+
+        Raises:
+            ValueError: it is too much.
+        """
+        try:
+            mdp, states = self.board.around(places, None)
+        except TooManyStatesError:
+            raise ValueError(
+                f"more than {BOARD_STATES:,} states can be reached; measure open loop"
+            ) from None
+        to_goals = self.measured.is_to_goals and not mdp.is_stochastic
+        return with_goals(mdp) if to_goals else mdp, states
 
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":
         """The sensor in the library's format."""

@@ -57,9 +57,12 @@ class Board(Protocol):
         ...
 
     def around(
-        self, states: list[State], horizon: int
+        self, states: list[State], horizon: int | None
     ) -> tuple[TabularMDP, Int64[np.ndarray, "n"]]:
-        """A table of what can be reached from some states, and their indices in it."""
+        """A table of what can be reached from some states, and their indices in it.
+
+        Without a horizon, of all that can ever be reached.
+        """
         ...
 
     def plan(self, state: State) -> Plan | None:
@@ -125,7 +128,7 @@ class PuzzleBoard:
         }
 
     def around(
-        self, states: list[State], horizon: int
+        self, states: list[State], horizon: int | None
     ) -> tuple[TabularMDP, Int64[np.ndarray, "n"]]:
         mdp = explore(self.puzzle, states, horizon, BOARD_STATES)
         return mdp, np.array([mdp.index(state) for state in states], np.int64)
@@ -196,14 +199,14 @@ class TableBoard:
         return dict(sorted(found.items()))
 
     def around(
-        self, states: list[State], horizon: int
+        self, states: list[State], horizon: int | None
     ) -> tuple[TabularMDP, Int64[np.ndarray, "n"]]:
         return self.table, np.array([index for (index,) in states], np.int64)
 
     def plan(self, state: State) -> Plan | None:
         if self.random:
             raise ValueError(f"{self.name} is stochastic: it has no shortest plan")
-        found = solve(_with_goals(self.table), state[0])
+        found = solve(with_goals(self.table), state[0])
         if found is None:
             return None
         return replace(found, states=tuple((int(index),) for index in found.states))
@@ -225,7 +228,7 @@ class TableBoard:
         return row, column
 
 
-def _with_goals(mdp: TabularMDP) -> TabularMDP:
+def with_goals(mdp: TabularMDP) -> TabularMDP:
     """A deterministic table that ends well: in those terminal states whose entry is rewarded most.
 
     The others, such as holes in the ice, are never left.

@@ -5,12 +5,24 @@ SIDES = (4, 30)
 THINGS = 4
 """Tools of a map, and objects."""
 HORIZON = 10
+DISCOUNT = 0.95
+"""Of effective empowerment: 20 steps ahead in the mean."""
+SLACK = 10
 FRAMES = 1_000
 """Placements of a film, and of a game as code."""
 TOOLS = 100
 """Tools whose averages are shown as code."""
 SLIP = 0.5
 TOOL_SLIP = 1.0
+
+REACHED = 300_000
+"""Placements that can ever be reached, for kinds of empowerment that need all of them."""
+NUMBERS = 30_000_000
+"""Of effective empowerment: observations times states."""
+OBSERVATIONS = 16
+"""Of closed-loop empowerment with random outcomes: how many are possible from a cell."""
+PATIENCE = 240.0
+"""Seconds up to which a landscape is computed cell by cell, by an estimate."""
 
 PAIR = 1_000_000
 """Placements of a pair of a tool and an object, which are compared exactly."""

@@ -12,7 +12,7 @@ from habilis.processors import processors
 from habilis.studio.clients import Client
 from habilis.studio.drawn_worlds import drawn_of
 from habilis.studio.estimates import Estimate, in_stretches, verdicts
-from habilis.studio.limits import DRAWN, FEWEST
+from habilis.studio.limits import DRAWN, FEWEST, PATIENCE
 from habilis.studio.messages import one_line
 from habilis.studio.pool import Pool, StepError
 from habilis.studio.protocol import requests
@@ -31,6 +31,7 @@ from habilis.worlds.world import NO_TOOL
 
 _SETTLED = 0.1  # seconds without an edit before averages start, since an edit would cancel them
 _LONGEST_ESTIMATE = 10.0  # seconds after which an estimate is final
+_TRIAL = 10.0  # seconds before a landscape is estimated from what they did
 _AT_ONCE = 8  # processes of a pool at most
 _QUICK_PATIENCE, _SLOW_PATIENCE = 0.3, 1.0
 
@@ -74,7 +75,7 @@ class Pools:
 
     def for_one(self, scene: AnyScene) -> Pool:
         """For the value of one state of a scene."""
-        return self.slow if scene.is_stochastic else self.quick
+        return self.slow if scene.is_stochastic or scene.measured.needs_whole else self.quick
 
 
 async def measure(
@@ -96,34 +97,53 @@ async def landscape(
 
 async def _landscape(pools: Pools, client: Client, number: int, scene: AnyScene) -> None:
     began = time.perf_counter()
-    if scene.is_stochastic:
-        cells, bits = await _stretches(pools, client, number, scene)
+    if scene.is_stochastic and not scene.measured.needs_whole:
+        cells, bits, gaps = await _stretches(pools, client, number, scene)
     else:
-        found = await client.step(pools.quick, "landscape", scene=scene)
-        cells, bits = found["cells"], found["bits"]
+        found = await client.step(pools.for_one(scene), "landscape", scene=scene)
+        cells, bits, gaps = found["cells"], found["bits"], found["gap"]
     seconds = time.perf_counter() - began
     least, most = (min(bits), max(bits)) if bits else (None, None)
     await client.answer(
         LandscapeAnswer(
-            id=number, landscape=_grid(scene, cells, bits), least=least, most=most, seconds=seconds
+            id=number,
+            landscape=_grid(scene, cells, bits),
+            least=least,
+            most=most,
+            gap=max(gaps) if gaps else UNSET,
+            seconds=seconds,
         )
     )
 
 
 async def _stretches(
     pools: Pools, client: Client, number: int, scene: AnyScene
-) -> tuple[list[Cell], list[float]]:
-    """A landscape of a stochastic table, computed in chunks of cells."""
+) -> tuple[list[Cell], list[float], list[float]]:
+    """A landscape of a stochastic table, computed in chunks of cells, and its gaps if known.
+
+    Raises:
+        StepError: it would take too long.
+    """
+    gaps: list[float] = []
 
     async def step(first: int, end: int) -> list[float]:
         found = await client.step(pools.slow, "stretch", scene=scene, first=first, end=end)
+        gaps.extend(found.get("gap", []))
         return found["bits"]
 
+    began = time.perf_counter()
     bits: list[float] = []
     cells = (await client.step(pools.slow, "cells", scene=scene))["cells"]
     async for bits in in_stretches(len(cells), step):
-        await client.answer(Answer(id=number, progress=len(bits) / len(cells)))
-    return cells, bits
+        share, seconds = len(bits) / len(cells), time.perf_counter() - began
+        slow = scene.measured.is_closed and share < 1 and seconds > _TRIAL
+        if slow and seconds / share > PATIENCE:
+            raise StepError(
+                f"{scene.horizon} steps ahead take about {seconds / share / 60:.0f} minutes here; "
+                "look fewer steps ahead, or observe a single thing"
+            )
+        await client.answer(Answer(id=number, progress=share))
+    return cells, bits, gaps
 
 
 async def _averages(

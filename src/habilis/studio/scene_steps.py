@@ -16,15 +16,26 @@ from habilis.analysis.averages import NOTHING, compared_states
 from habilis.analysis.futures import futures
 from habilis.empowerment.api import empowerment
 from habilis.empowerment.arguments import chosen_actions
+from habilis.empowerment.closed_loop import possible_observations
+from habilis.empowerment.kinds import of_kind
 from habilis.empowerment.limits import Limits, TooMuchError, too_much
 from habilis.empowerment.methods import Exact
+from habilis.empowerment.sensors import observation_probabilities
 from habilis.empowerment.tabular.beliefs import TooManyBeliefsError
 from habilis.empowerment.tabular.cost import check_effort, most_entries
 from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
 from habilis.mdp import TabularMDP
 from habilis.models.limits import TooManyStatesError
 from habilis.studio.films import film
-from habilis.studio.limits import BOARD_STATES, DRAWN, FEWEST, GIB, SECONDS
+from habilis.studio.limits import (
+    BOARD_STATES,
+    DRAWN,
+    FEWEST,
+    GIB,
+    NUMBERS,
+    OBSERVATIONS,
+    SECONDS,
+)
 from habilis.studio.pairs import pair
 from habilis.studio.protocol import scenes as protocol
 from habilis.studio.random_placements import random_placements
@@ -49,8 +60,8 @@ def landscape(scene: AnyScene) -> Answer:
     in a table of all placements, on a large one hundreds of times quicker.
     """
     agents = scene.agents
-    bits = _bits(scene, list(agents.values())) if agents else np.empty(0)
-    return {"bits": bits.tolist(), "cells": list(agents)}
+    bits, gap = _bits(scene, list(agents.values())) if agents else np.empty((2, 0))
+    return {"bits": bits.tolist(), "gap": gap.tolist(), "cells": list(agents)}
 
 
 def cells(scene: AnyScene) -> Answer:
@@ -60,6 +71,10 @@ def cells(scene: AnyScene) -> Answer:
 
 def stretch(scene: AnyScene, first: int, end: int) -> Answer:
     """Empowerment for some of the agent's cells, of a stochastic table, which takes long."""
+    if scene.measured.is_closed:
+        mdp, states = _watched(scene)
+        bits, gap = _of(scene, mdp, states[first:end])
+        return {"bits": bits.tolist(), "gap": gap.tolist()}
     problem, states = _everywhere(scene)
     return {"bits": _each(problem, states[first:end])}
 
@@ -146,7 +161,7 @@ def step(scene: AnyScene, at: protocol.Placement, action: int | None) -> Answer:
     now = scene.placed(mdp, state)
     return {
         "placement": now,
-        "bits": float(_bits(scene, [scene.where(now)])[0]),
+        "bits": _bits_of(scene, scene.where(now)),
         "equipped": _flag(mdp, "equipped", state),
         "attached": _flag(mdp, "attached", state),
         "reward": reward,
@@ -164,11 +179,81 @@ def _around(scene: AnyScene, places: list[Where]) -> tuple[TabularMDP, np.ndarra
     return mdp.slippery(scene.slip), states
 
 
-def _bits(scene: AnyScene, places: list[Where]) -> np.ndarray:
-    mdp, states = _around(scene, places)
-    return empowerment(
-        mdp, scene.horizon, scene.sensed(mdp), scene.action_indices, states, method=_METHOD
-    )
+def _bits(scene: AnyScene, places: list[Where]) -> tuple[np.ndarray, np.ndarray]:
+    """Values and their gaps."""
+    if not scene.measured.needs_whole:
+        return _of(scene, *_around(scene, places))
+    mdp, states = scene.whole(places)
+    mdp = mdp.slippery(scene.slip)
+    _check_numbers(scene, mdp)
+    return _of(scene, mdp, states)
+
+
+def _of(scene: AnyScene, mdp: TabularMDP, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values of the scene's kind of empowerment in a table, and their gaps."""
+    of = scene.measured
+    if of.is_to_goals and not mdp.is_stochastic and not mdp.terminal.any():
+        return np.zeros(len(states)), np.zeros(len(states))  # the goal is out of reach
+    asked = mdp, scene.horizon, scene.sensed(mdp), scene.action_indices, states
+    return of_kind(of.kind, *asked, of.discount, of.slack, {"method": _METHOD})
+
+
+def _bits_of(scene: AnyScene, place: Where) -> float:
+    """The value of one state."""
+    if not scene.measured.needs_whole:
+        return float(_bits(scene, [place])[0][0])
+    mdp, bits = _of_all(scene)
+    asked, states = scene.around([place], 0)
+    same = np.ones(mdp.states, bool)
+    for name in mdp.factors:
+        same &= mdp.factor(name) == asked.factor(name)[states[0]]
+    if same.sum() == 1:
+        return float(bits[same][0])
+    return float(_bits(scene, [place])[0][0])  # nothing leads there from the landscape's states
+
+
+@lru_cache(_KEPT)
+def _of_all(scene: AnyScene) -> tuple[TabularMDP, np.ndarray]:
+    """All that can be reached from the landscape's states, and its values: a game asks often."""
+    mdp, _ = scene.whole(list(scene.agents.values()))
+    mdp = mdp.slippery(scene.slip)
+    _check_numbers(scene, mdp)
+    return mdp, _of(scene, mdp, np.arange(mdp.states))[0]
+
+
+def _check_numbers(scene: AnyScene, mdp: TabularMDP) -> None:
+    """Refuses effective empowerment of more observations and states than a page waits for.
+
+    Raises:
+        ValueError: it is so.
+    """
+    if not scene.measured.is_effective:
+        return
+    seen = observation_probabilities(mdp, scene.sensed(mdp)).shape[1]
+    if seen * mdp.states > NUMBERS:
+        raise ValueError(
+            f"effective empowerment of {seen:,} observations in {mdp.states:,} states takes too "
+            "long here; observe a single thing, or make the map smaller"
+        )
+
+
+@lru_cache(_KEPT)
+def _watched(scene: AnyScene) -> tuple[TabularMDP, np.ndarray]:
+    """The table of closed-loop empowerment with random outcomes, and the landscape's states.
+
+    Raises:
+        ValueError: so many observations are possible that it takes too long.
+    """
+    mdp, states = _around(scene, list(scene.agents.values()))
+    sensor, used = scene.sensed(mdp), chosen_actions(mdp, scene.action_indices)
+    most = max(possible_observations(mdp, scene.horizon, sensor, states, used), default=0)
+    if most > OBSERVATIONS:
+        raise ValueError(
+            f"with feedback and random outcomes, {scene.horizon} steps ahead take too long here: "
+            f"{most} observations are possible from a cell, and the limit is {OBSERVATIONS}; look "
+            "fewer steps ahead, or observe a single thing"
+        )
+    return mdp, states
 
 
 @lru_cache(_KEPT)

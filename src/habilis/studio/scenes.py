@@ -12,7 +12,8 @@ from msgspec import UNSET
 from habilis.analysis.averages import held
 from habilis.mdp import TabularMDP
 from habilis.studio.drawn_worlds import check_known, order_of, world_of
-from habilis.studio.limits import SIDES
+from habilis.studio.limits import REACHED, SIDES
+from habilis.studio.measured_kinds import OPEN, Measured
 from habilis.studio.placements import Order, named, placed
 from habilis.studio.protocol import scenes as protocol
 from habilis.worlds.map_text import header, map_lines
@@ -42,6 +43,7 @@ class AnyScene(Protocol):
         height, width: rows and columns.
         horizon: in actions.
         slip: the probability that a random action replaces the chosen one.
+        measured: the kind of empowerment.
         is_stochastic: whether outcomes are random.
         action_indices: those that are counted; `None` for all.
         agents: by the cell of the agent, the state in which all else is where it begins.
@@ -56,6 +58,8 @@ class AnyScene(Protocol):
     @property
     def slip(self) -> float: ...
     @property
+    def measured(self) -> Measured: ...
+    @property
     def is_stochastic(self) -> bool: ...
     @property
     def action_indices(self) -> Sequence[int] | None: ...
@@ -68,6 +72,14 @@ class AnyScene(Protocol):
 
     def around(self, places: list[Where], horizon: int) -> tuple[TabularMDP, Int[np.ndarray, "n"]]:
         """A table of what can be reached from some states, without slip, and their indices."""
+        ...
+
+    def whole(self, places: list[Where]) -> tuple[TabularMDP, Int[np.ndarray, "n"]]:
+        """The same of all that can ever be reached.
+
+        Raises:
+            ValueError: it is too much.
+        """
         ...
 
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":
@@ -108,6 +120,7 @@ class Scene:
         actions: one of `ACTIONS`.
         slip: the probability that a random action replaces the chosen one.
         order: of its things in messages.
+        measured: the kind of empowerment.
     """
 
     world: World
@@ -118,6 +131,7 @@ class Scene:
     actions: str = "all"
     slip: float = 0.0
     order: Order | None = None
+    measured: Measured = OPEN
 
     @classmethod
     def of(cls, asked: protocol.Scene, tools: Collection[str]) -> "Scene":
@@ -161,6 +175,7 @@ class Scene:
             asked.actions,
             asked.slip,
             order,
+            Measured.of(asked),
         )
 
     @property
@@ -204,6 +219,9 @@ class Scene:
     def around(self, places: list[Where], horizon: int) -> tuple[TabularMDP, Int[np.ndarray, "n"]]:
         return reachable(self.world, places, horizon)
 
+    def whole(self, places: list[Where]) -> tuple[TabularMDP, Int[np.ndarray, "n"]]:
+        return reachable(self.world, places, None, REACHED)
+
     def where(self, at: protocol.Placement) -> Placement:
         return named(self.world, self.listed, at)
 
@@ -232,7 +250,14 @@ class Scene:
         """The scene of a tool's average: all actions, observing the object."""
         world = held(self.world.with_object(self.object).with_tool(tool))
         return replace(
-            self, world=world, sensor="object", thing=0, actions="all", cells=(), order=None
+            self,
+            world=world,
+            sensor="object",
+            thing=0,
+            actions="all",
+            cells=(),
+            order=None,
+            measured=OPEN,
         )
 
     def sensed(self, mdp: TabularMDP) -> "str | Int[np.ndarray, 'S']":

@@ -96,6 +96,8 @@ class Studio:
                 side=limits.SIDES,
                 things=limits.THINGS,
                 horizon=limits.HORIZON,
+                discount=limits.DISCOUNT,
+                slack=limits.SLACK,
                 slip=limits.SLIP,
                 tool_slip=limits.TOOL_SLIP,
                 message=limits.MESSAGE,

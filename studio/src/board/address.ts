@@ -1,6 +1,7 @@
 /** The board and its question in the link's fragment: `#b=levels.xsb%233&h=2&s=object:b1&x=0.1`. */
 
-import type { BoardAbout } from "../core/protocol";
+import { FRESH_KIND, KIND_NAMES, kindParts } from "../core/kinds";
+import type { BoardAbout, Kind } from "../core/protocol";
 import type { Asked } from "./question";
 
 /** The readable part of a link to a board. */
@@ -19,6 +20,7 @@ export function toBoardFragment(scene: Asked, first: Asked, board: BoardAbout, v
   const parts = [`${BOARD}=${encodeURIComponent(scene.board)}`];
   if (scene.sensor === "factor") parts.push(`s=${encodeURIComponent(board.factors[scene.thing]!)}`);
   if (scene.horizon !== first.horizon) parts.push(`h=${scene.horizon}`);
+  parts.push(...kindParts(scene));
   if (scene.only && scene.only.length < board.actions.length) parts.push(`x=${scene.only.join(".")}`);
   if (scene.slip) parts.push(`p=${scene.slip}`);
   if (view !== FIRST_VIEW) parts.push(`v=${view}`);
@@ -32,7 +34,7 @@ export function isBoardFragment(fragment: string): boolean {
 
 /** The question and the view of a fragment, and the parts of it that cannot be shown. */
 export function fromBoardFragment(
-  fragment: string, first: Asked, board: BoardAbout | null, limits: { horizon: number; slip: number }, views: readonly string[],
+  fragment: string, first: Asked, board: BoardAbout | null, limits: { horizon: number; discount: number; slack: number; slip: number }, views: readonly string[],
 ): OpenedBoard {
   const fields = new URLSearchParams(fragment.replace(/^#/, ""));
   const name = fields.get(BOARD)!;
@@ -49,6 +51,13 @@ export function fromBoardFragment(
     return fresh;
   };
   const horizon = number("horizon", "h", first.horizon, limits.horizon, true);
+  const discount = number("discount", "g", FRESH_KIND.discount, limits.discount, false);
+  const slack = number("slack", "l", FRESH_KIND.slack, limits.slack, true);
+  let kind = (fields.get("k") ?? FRESH_KIND.kind) as Kind;
+  if (!(kind in KIND_NAMES)) {
+    faults.push(`its kind of empowerment “${kind.slice(0, 20)}” is unknown, and ${FRESH_KIND.kind} is used`);
+    kind = FRESH_KIND.kind;
+  }
   const slip = number("slip", "p", first.slip, limits.slip, false);
   const factor = fields.get("s");
   const thing = factor === null ? -1 : board.factors.indexOf(factor);
@@ -65,7 +74,7 @@ export function fromBoardFragment(
   return {
     shown: {
       scene: {
-        board: name, horizon, slip,
+        board: name, horizon, slip, kind, discount, slack,
         ...(thing < 0 ? { sensor: "state", thing: 0 } : { sensor: "factor", thing }),
         ...(only && known ? { only } : {}),
       },

@@ -2,18 +2,22 @@
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
+import { FRESH_KIND, kindMessage, OVER_ALL, type KindSettings } from "../core/kinds";
 import type { BoardAbout, Scene } from "../core/protocol";
 import { capital } from "../core/words";
+import { createKind } from "../frame/kind";
 import { field, select, slider } from "../frame/widgets";
 
-/** The board and the question, in the server's format. */
-export type Asked = Scene & Required<Pick<Scene, "board" | "sensor" | "thing" | "horizon" | "slip">>;
+/** The board and the question; `messageOf` has it in the server's format. */
+export type Asked = Scene & KindSettings & Required<Pick<Scene, "board" | "sensor" | "thing" | "horizon" | "slip">>;
 
 export interface Question {
   readonly element: HTMLElement;
   /** The question that is asked first. */
   readonly first: Asked;
   scene(): Asked;
+  /** The board and the question in the server's format. */
+  message(): Scene;
   /** Asks another question, such as a link's. */
   show(next: Asked): void;
   /** The observed thing in words. */
@@ -27,11 +31,12 @@ const FIRST_HORIZON = 3;
 export function createQuestion({ hello }: App, board: BoardAbout): Question {
   const watchers: (() => void)[] = [];
   const first: Asked = {
-    board: board.name, sensor: EVERYTHING, thing: 0, horizon: FIRST_HORIZON, slip: 0,
+    board: board.name, sensor: EVERYTHING, thing: 0, horizon: FIRST_HORIZON, slip: 0, ...FRESH_KIND,
   };
   let scene = first;
-  function change(part: Partial<Scene>): void {
+  function change(part: Partial<Asked>): void {
     scene = { ...scene, ...part };
+    kind.show(scene);
     for (const watcher of watchers) watcher();
   }
 
@@ -67,20 +72,27 @@ export function createQuestion({ hello }: App, board: BoardAbout): Question {
     { class: "action-set", role: "group", "aria-label": "Actions", id: "board-actions" },
     ...boxes.map((box, action) => h("label", {}, box, h("span", {}, board.actions[action]!))),
   );
+  const actionField = field("Actions", actions);
+  const kind = createKind(hello, "board-", { horizon: horizon.element, actions: actionField }, (part) => change(part));
+  kind.show(scene);
   return {
     element: h(
       "div",
       { class: "question" },
+      kind.element,
       horizon.element,
+      ...kind.settings,
       field("Sensor", sensor),
-      field("Actions", actions),
+      actionField,
       slip.element,
     ),
     first,
     scene: () => scene,
+    message: () => messageOf(scene),
     show(next) {
       scene = next;
       sensor.value = next.sensor === EVERYTHING ? EVERYTHING : `factor ${next.thing}`;
+      kind.show(next);
       horizon.show(next.horizon);
       slip.show(next.slip);
       boxes.forEach((box, action) => (box.checked = next.only?.includes(action) ?? true));
@@ -89,6 +101,12 @@ export function createQuestion({ hello }: App, board: BoardAbout): Question {
     sensed: () => (scene.sensor === EVERYTHING ? "state" : wordsFor(board.factors[scene.thing]!).toLowerCase()),
     watch: (watcher) => watchers.push(watcher),
   };
+}
+
+/** With the settings of its kind alone. */
+function messageOf({ kind, discount, slack, only, ...rest }: Asked): Scene {
+  const all = only === undefined || OVER_ALL.includes(kind);
+  return { ...rest, ...(all ? {} : { only }), ...kindMessage({ kind, discount, slack }) };
 }
 
 /** A factor in words: "object:m0" is the movable m0. */

@@ -1,6 +1,7 @@
 /** The whole state in the link's fragment: `#w=10x10.AAA.28.66.77.35&t=picker&h=3`. */
 
-import type { ActionSet } from "./protocol";
+import { FRESH_KIND, KIND_NAMES, kindParts } from "./kinds";
+import type { ActionSet, Kind } from "./protocol";
 import { ACTION_SETS, NO_TOOL, SENSORS, toolOf, type Scene, type Sensor } from "./scene";
 import { standing, thingAt, type Standing, type Thing, type Tool, type World } from "./world";
 
@@ -11,6 +12,7 @@ export const FRESH: Omit<Scene, "world" | "bare"> = {
   horizon: 3,
   actions: "all",
   slip: 0,
+  ...FRESH_KIND,
 };
 
 /** The available choices, from the server's greeting. */
@@ -21,6 +23,8 @@ export interface Known {
     readonly side: readonly [number, number];
     readonly things: number;
     readonly horizon: number;
+    readonly discount: number;
+    readonly slack: number;
     readonly slip: number;
     readonly tool_slip: number;
   };
@@ -34,7 +38,7 @@ export interface Opened {
   readonly faults: readonly string[];
 }
 
-const FIELDS = ["w", "t", "m", "o", "f", "d", "s", "n", "c", "h", "x", "p", "v"];
+const FIELDS = ["w", "t", "m", "o", "f", "d", "s", "n", "c", "h", "k", "g", "l", "x", "p", "v"];
 const FIRST_OBJECT = "can";
 const FIRST_VIEW = "design";
 const LONGEST = 40; // characters of a link that are quoted
@@ -54,6 +58,7 @@ export function toFragment(scene: Scene, view: string): string {
   if (scene.thing) parts.push(`n=${scene.thing}`);
   if (scene.sensor === "cells" && scene.cells.length) parts.push(`c=${scene.cells.join(".")}`);
   if (scene.horizon !== FRESH.horizon) parts.push(`h=${scene.horizon}`);
+  parts.push(...kindParts(scene));
   if (scene.actions !== FRESH.actions) parts.push(`x=${scene.actions}`);
   if (scene.slip !== FRESH.slip) parts.push(`p=${scene.slip}`);
   if (view !== FIRST_VIEW) parts.push(`v=${view}`);
@@ -122,6 +127,9 @@ function read(fields: URLSearchParams, known: Known, views: readonly string[], f
       thing,
       cells: [...new Set(cells.filter(there).map(Number))],
       horizon: number("horizon", "h", FRESH.horizon, limits.horizon, true),
+      kind: one<Kind>("kind of empowerment", "k", Object.keys(KIND_NAMES), FRESH.kind),
+      discount: number("discount", "g", FRESH.discount, limits.discount, false),
+      slack: number("slack", "l", FRESH.slack, limits.slack, true),
       actions: one<ActionSet>("set of actions", "x", Object.keys(ACTION_SETS), FRESH.actions),
       slip: number("slip", "p", FRESH.slip, limits.slip, false),
     },

@@ -57,6 +57,8 @@ export interface LandscapeAnswer extends Answer {
   landscape?: Grid;
   least?: number | null;
   most?: number | null;
+  /** Bits, by how much any true value may differ at most; absent if unknown. */
+  gap?: number;
   seconds?: number;
 }
 
@@ -289,6 +291,8 @@ export interface Limits {
   /** Tools of a map, and objects. */
   things: number;
   horizon: number;
+  discount: number;
+  slack: number;
   slip: number;
   tool_slip: number;
   /** Characters. */
@@ -416,6 +420,9 @@ export interface Request {
 /** `cells` observes the object in the scene's cells only; `factor` is a board's. */
 export type Sensor = "agent" | "cells" | "factor" | "object" | "state" | "tool";
 
+/** Of empowerment. `effective` is under the uniform policy and has no horizon; `goal-directed` goes to the terminal states. */
+export type Kind = "closed-loop" | "effective" | "goal-directed" | "open-loop";
+
 export type ActionSet = "all" | "moves" | "tool";
 
 /** A world, as `map` or as `drawn`, or a board; and the question asked about it. */
@@ -431,6 +438,11 @@ export interface Scene {
   /** The observed object or, with the sensors tool and factor, tool or factor. */
   thing?: number;
   cells?: Cell[];
+  kind?: Kind;
+  /** Of the kind `effective`, which needs it. */
+  discount?: number;
+  /** Of the kind `goal-directed`, in actions; by default 0. */
+  slack?: number;
   /** In actions. */
   horizon?: number;
   actions?: ActionSet;

@@ -1,12 +1,13 @@
 /** A world and the question asked about it: the content of a link to the page. */
 
+import { kindMessage, OVER_ALL, type KindSettings } from "./kinds";
 import type { ActionSet, Cell, Placement, Scene as SceneMessage, Sensor as AnySensor } from "./protocol";
 import { drawnOf, namesOf, type Tool, type World } from "./world";
 
 /** Sensors of maps. */
 export type Sensor = Exclude<AnySensor, "factor">;
 
-export interface Scene {
+export interface Scene extends KindSettings {
   readonly world: World;
   /** Whether the agent uses no tool, even if one is on the map. */
   readonly bare: boolean;
@@ -77,7 +78,8 @@ export function message(scene: Scene): SceneMessage & Required<Pick<SceneMessage
     thing,
     cells: sensor === "cells" ? cells.map((cell) => cellOf(world, cell)) : [],
     horizon,
-    actions: toolsOf(scene).length ? actions : "all",
+    ...kindMessage(scene),
+    actions: toolsOf(scene).length && !OVER_ALL.includes(scene.kind) ? actions : "all",
     slip,
   };
 }

@@ -1,4 +1,4 @@
-/** The question asked about the world: sensor, horizon, actions, slip. */
+/** The question asked about the world: what is measured, sensor, horizon, actions, slip. */
 
 import type { App } from "../core/app";
 import { h } from "../core/elements";
@@ -6,6 +6,7 @@ import type { ActionSet } from "../core/protocol";
 import { ACTION_SETS, SENSORS, toolsOf, type Scene, type Sensor } from "../core/scene";
 import { capital } from "../core/words";
 import { namesOf, type Thing, type Tool } from "../core/world";
+import { createKind } from "../frame/kind";
 import { field, offer, segmented, select, slider } from "../frame/widgets";
 
 export function createQuestion({ hello, store }: App): HTMLElement {
@@ -32,7 +33,12 @@ export function createQuestion({ hello, store }: App): HTMLElement {
     (value) => `${Math.round(100 * value)} %`,
     (slip) => store.change({ slip }, "slip"),
   );
+  const actionField = field("Actions", actions.element);
+  const kind = createKind(
+    hello, "", { horizon: horizon.element, actions: actionField }, (part, gesture) => store.change(part, gesture),
+  );
   store.watch((scene) => {
+    kind.show(scene);
     offer(sensor, choices(scene));
     const several = (scene.sensor === "object" || scene.sensor === "tool") && scene.thing > 0;
     sensor.value = several ? `${scene.sensor} ${scene.thing}` : scene.sensor;
@@ -46,9 +52,11 @@ export function createQuestion({ hello, store }: App): HTMLElement {
   return h(
     "div",
     { class: "question" },
+    kind.element,
     horizon.element,
+    ...kind.settings,
     field("Sensor", sensor),
-    field("Actions", actions.element),
+    actionField,
     slip.element,
   );
 }

@@ -40,6 +40,10 @@ class LandscapeAnswer(Answer, kw_only=True):
     ] = UNSET
     least: float | UnsetType | None = UNSET
     most: float | UnsetType | None = UNSET
+    gap: Annotated[
+        float | UnsetType,
+        Meta(description="bits, by how much any true value may differ at most; absent if unknown"),
+    ] = UNSET
     seconds: float | UnsetType = UNSET
 
 

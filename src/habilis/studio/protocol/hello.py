@@ -34,6 +34,8 @@ class Limits(Struct, frozen=True):
     ]
     things: Annotated[int, Meta(description="tools of a map, and objects")]
     horizon: int
+    discount: float
+    slack: int
     slip: float
     tool_slip: float
     message: Annotated[int, Meta(description="characters")]

@@ -4,7 +4,16 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from habilis.studio.limits import FACTORS, HORIZON, SIDES, SLIP, THINGS, TOOL_SLIP
+from habilis.studio.limits import (
+    DISCOUNT,
+    FACTORS,
+    HORIZON,
+    SIDES,
+    SLACK,
+    SLIP,
+    THINGS,
+    TOOL_SLIP,
+)
 
 GIVE = "give"
 """In the `extra` of a type: the words in which an error asks for it."""
@@ -30,6 +39,14 @@ Sensor = Annotated[
     Meta(
         title="Sensor",
         description="`cells` observes the object in the scene's cells only; `factor` is a board's.",
+    ),
+]
+Kind = Annotated[
+    Literal["open-loop", "effective", "closed-loop", "goal-directed"],
+    Meta(
+        title="Kind",
+        description="Of empowerment. `effective` is under the uniform policy and has no horizon; "
+        "`goal-directed` goes to the terminal states.",
     ),
 ]
 ActionSet = Annotated[Literal["all", "moves", "tool"], Meta(title="ActionSet")]
@@ -89,6 +106,22 @@ class Scene(Struct, frozen=True, forbid_unknown_fields=True):
         ),
     ] = 0
     cells: Annotated[list[Cell], Meta(max_length=SIDES[1] ** 2)] = []
+    kind: Kind = "open-loop"
+    discount: (
+        Annotated[
+            float, Meta(ge=0, le=DISCOUNT, description="of the kind `effective`, which needs it")
+        ]
+        | UnsetType
+    ) = UNSET
+    slack: (
+        Annotated[
+            int,
+            Meta(
+                ge=0, le=SLACK, description="of the kind `goal-directed`, in actions; by default 0"
+            ),
+        ]
+        | UnsetType
+    ) = UNSET
     horizon: Annotated[int, Meta(ge=0, le=HORIZON, description="in actions")] = 0
     actions: ActionSet = "all"
     only: Annotated[
