@@ -9,6 +9,7 @@ import type { App, View } from "./core/app";
 import { connect, type Status } from "./core/connection";
 import { byId, h } from "./core/elements";
 import { createNotebook, type Notebook } from "./core/notebook";
+import { FRESH_KIND } from "./core/kinds";
 import { createMeasuring } from "./core/measuring";
 import type { Hello } from "./core/protocol";
 import type { Scene } from "./core/scene";
@@ -32,7 +33,7 @@ import "./style/embedded.css";
 
 const VIEWS = ["design", "play", "train", "run"];
 const BOARD_VIEWS = ["design", "play"]; // the others are of maps
-const NO_BOARD = { board: "", sensor: "state", thing: 0, horizon: 0, slip: 0 } as const;
+const NO_BOARD = { board: "", sensor: "state", thing: 0, horizon: 0, slip: 0, ...FRESH_KIND } as const;
 const MOST_FAULTS = 5; // of a link, reported in a line
 
 let app: App | null = null;

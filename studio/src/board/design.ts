@@ -50,7 +50,7 @@ export function createBoardDesign(app: App, about: BoardAbout, question: Questio
         { name: "Landscape", picture: landscape.picture },
       ],
       tables: grid ? [{ name: "Landscape", rows: rowsOf(grid, "bits") }] : [],
-      code: about.image === null ? { scene: question.scene(), view: "landscape" } : null,
+      code: about.image === null ? { scene: question.message(), view: "landscape" } : null,
     };
   }
 

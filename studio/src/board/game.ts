@@ -58,7 +58,7 @@ export function createBoardPlayer(
   function send(action: number | null): void {
     const of = turn;
     busy = true;
-    const body = { scene: question.scene(), placement: game.placement, action };
+    const body = { scene: question.message(), placement: game.placement, action };
     const asked = connection.ask("step", body, (answer) => {
       if (of !== turn || answer.progress !== undefined) return;
       asked.forget();
@@ -106,7 +106,7 @@ export function createBoardPlayer(
     if (game.ended) reset();
     const of = turn;
     plan = [];
-    const body = { scene: question.scene(), placement: game.placement };
+    const body = { scene: question.message(), placement: game.placement };
     const asked = connection.ask("solve", body, (answer) => {
       if (of !== turn || plan === null || answer.progress !== undefined) return;
       asked.forget();

@@ -3,6 +3,7 @@
 import type { App } from "../core/app";
 import type { Asked as Request } from "../core/connection";
 import { h } from "../core/elements";
+import { hintOf } from "../core/kinds";
 import type { BoardAbout, Cell, FuturesAnswer, Grid } from "../core/protocol";
 import { ARROWS } from "../design/editor";
 import { createBoard, type Mark } from "../draw/board";
@@ -14,7 +15,6 @@ import { pictureOf } from "./picture";
 import type { Question } from "./question";
 
 const HOVER_WAIT = 40;
-const HINT = "Point at a cell to see which futures are reachable from it.";
 
 export interface BoardLandscape {
   readonly element: HTMLElement;
@@ -28,11 +28,12 @@ export interface BoardLandscape {
 export function createBoardLandscape({ connection }: App, about: BoardAbout, question: Question): BoardLandscape {
   const board = createBoard("The landscape: bits for every cell of the agent", "board-landscape");
   const { picture } = board;
-  const caption = h("p", { class: "caption", id: "board-caption", "aria-live": "polite" }, HINT);
+  const caption = h("p", { class: "caption", id: "board-caption", "aria-live": "polite" });
   const scale = createScaleBar("bits");
   const progress = h("div", { class: "progress", role: "progressbar", "aria-label": "computing" });
   const fault = h("p", { class: "fault", role: "alert", id: "board-fault" });
   let values: { grid: Grid; least: number; most: number } | null = null;
+  let gap = 0; // by how much a value may be too low
   let marks: Mark[] | null = null;
   let hovered: Cell | null = null;
   let asked: Request | null = null;
@@ -58,7 +59,7 @@ export function createBoardLandscape({ connection }: App, about: BoardAbout, que
 
   function ask(): void {
     due = false;
-    asked = connection.ask("measure", { scene: question.scene() }, (answer) => {
+    asked = connection.ask("measure", { scene: question.message() }, (answer) => {
       if (answer.lost) return;
       if (answer.progress !== undefined) return wait(true, answer.progress);
       asked?.forget();
@@ -66,6 +67,8 @@ export function createBoardLandscape({ connection }: App, about: BoardAbout, que
       caption.hidden = answer.error !== undefined;
       const { landscape: grid, least, most } = answer;
       values = grid && least != null && most != null ? { grid, least, most } : null;
+      gap = answer.gap ?? 0;
+      if (hovered === null) caption.textContent = hintOf(question.scene().kind, gap);
       scale.show(values);
       wait(false);
       draw();
@@ -90,11 +93,16 @@ export function createBoardLandscape({ connection }: App, about: BoardAbout, que
     if (cell === null || (values?.grid[cell[0]]?.[cell[1]] ?? null) === null) {
       if (marks !== null) [marks] = [null, draw()];
       marks = null;
-      caption.textContent = HINT;
+      caption.textContent = hintOf(question.scene().kind, gap);
+      return;
+    }
+    if (question.scene().kind !== "open-loop") {
+      const bits = values!.grid[cell[0]]![cell[1]]!;
+      caption.replaceChildren(`At ${rowColumn(cell)}: `, h("strong", {}, `${bits.toFixed(3)} bits`), ".");
       return;
     }
     timer = window.setTimeout(() => {
-      future = connection.ask("futures", { scene: question.scene(), agent: cell }, (answer) => show(cell, answer));
+      future = connection.ask("futures", { scene: question.message(), agent: cell }, (answer) => show(cell, answer));
     }, HOVER_WAIT);
   }
 

@@ -55,7 +55,7 @@ export function createBoardPlay(app: App, about: BoardAbout, question: Question)
   /** Requests the landscape with all but the agent where it is now. */
   function underlay(): void {
     const { placement } = player.game();
-    const body = { scene: question.scene(), placement };
+    const body = { scene: question.message(), placement };
     const next = JSON.stringify([body.scene, about.image === null ? placement.objects : placement.state]);
     if (next === of) return;
     asked?.forget();

@@ -72,6 +72,8 @@ export function createQuestion({ hello }: App, board: BoardAbout): Question {
     { class: "action-set", role: "group", "aria-label": "Actions", id: "board-actions" },
     ...boxes.map((box, action) => h("label", {}, box, h("span", {}, board.actions[action]!))),
   );
+  const sensorField = field("Sensor", sensor);
+  sensorField.classList.add("in-line");
   const actionField = field("Actions", actions);
   const kind = createKind(hello, "board-", { horizon: horizon.element, actions: actionField }, (part) => change(part));
   kind.show(scene);
@@ -82,9 +84,9 @@ export function createQuestion({ hello }: App, board: BoardAbout): Question {
       kind.element,
       horizon.element,
       ...kind.settings,
-      field("Sensor", sensor),
-      actionField,
       slip.element,
+      sensorField,
+      actionField,
     ),
     first,
     scene: () => scene,

@@ -15,12 +15,28 @@ export const KIND_NAMES: Record<Kind, string> = {
   "goal-directed": "Goal-directed",
 };
 
-export const KIND_SENTENCES: Record<Kind, string> = {
-  "open-loop": "How many futures the agent can choose from, by a plan made in advance.",
-  effective: "How much one action still changes later, if the agent then acts at random.",
-  "closed-loop": "How many futures it can choose from if it looks after every step.",
-  "goal-directed": "How many of its futures lead on to the goal.",
-};
+/** What a kind measures. */
+export function sentenceOn({ kind, discount, slack }: KindSettings): string {
+  switch (kind) {
+    case "open-loop":
+      return "What a plan can bring about that is made in advance.";
+    case "closed-loop":
+      return "What the agent can bring about if it looks after every step.";
+    case "effective":
+      return `What one action changes about ${steps(1 / (1 - discount))} later, if the agent acts at random.`;
+    case "goal-directed":
+      return `What it can bring about on ways to the goal, ${slack ? `up to ${steps(slack)} longer than` : "all of them"} the shortest.`;
+  }
+}
+
+const steps = (count: number) => `${Number(count.toFixed(1))} ${count === 1 ? "step" : "steps"}`;
+
+/** The hint below a landscape: only plans made in advance have futures to be marked. */
+export function hintOf(kind: Kind, gap: number): string {
+  if (kind === "open-loop") return "Point at a cell to see which futures are reachable from it.";
+  const low = gap < 0.005 ? "" : ` Values may be up to ${gap.toFixed(2)} bits too low.`;
+  return `Point at a cell to read its value.${low}`;
+}
 
 /** The kinds that are over all actions. */
 export const OVER_ALL: readonly Kind[] = ["effective", "goal-directed"];

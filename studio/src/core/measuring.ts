@@ -11,6 +11,8 @@ export interface Measured {
   landscape: Grid | null;
   least: number;
   most: number;
+  /** By how much a value may be too low at most. */
+  gap: number;
   averages: Record<string, number | null>;
   within: Record<string, number>;
   /** The reason for a missing average. */
@@ -36,6 +38,7 @@ const NOTHING: Measured = {
   landscape: null,
   least: 0,
   most: 0,
+  gap: 0,
   averages: {},
   within: {},
   why: null,
@@ -67,7 +70,7 @@ export function createMeasuring(connection: Connection, store: Store): Measuring
       } else if (answer.progress !== undefined) tell({ progress: answer.progress });
       if (answer.landscape) {
         const [least, most] = [answer.least ?? 0, answer.most ?? 0];
-        tell({ scene, landscape: answer.landscape, least, most, pending: false, progress: null, error: null });
+        tell({ scene, landscape: answer.landscape, least, most, gap: answer.gap ?? 0, pending: false, progress: null, error: null });
       }
       if (answer.averages) {
         tell({

@@ -39,7 +39,8 @@ export function createAverages({ hello, store, measuring }: App): HTMLElement {
       row.dataset.fresh = String(compared.includes(name));
     }
     const estimated = Object.values(within).some((about) => about > 0);
-    waiting.textContent = `Mean bits over the ${object}${estimated ? ", sampled" : ""}${tool === null ? ", each tool alone" : ""}.`;
+    const plain = scene.kind === "open-loop" ? "Mean bits" : `Mean open-loop bits, ${scene.horizon} steps ahead,`;
+    waiting.textContent = `${plain} over the ${object}${estimated ? ", sampled" : ""}${tool === null ? ", each tool alone" : ""}.`;
     const message = error ? [] : why !== null ? [why] : tool === null ? [] : sentence(tool, object, averages, verdicts[tool]);
     verdict.replaceChildren(...message);
     const of = why !== null || error !== null || tool === null || tool === NO_TOOL ? [] : [tool, NO_TOOL];

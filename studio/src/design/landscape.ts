@@ -3,6 +3,7 @@
 import type { App } from "../core/app";
 import type { Asked } from "../core/connection";
 import { h } from "../core/elements";
+import { hintOf } from "../core/kinds";
 import type { Measured } from "../core/measuring";
 import type { Cell, FuturesAnswer } from "../core/protocol";
 import { cellOf, indexOf, message, objectOf, startOf, toolsOf, type Scene, type Sensor } from "../core/scene";
@@ -16,7 +17,6 @@ import { createScaleBar } from "../draw/scale";
 import { ARROWS } from "./editor";
 
 const HOVER_WAIT = 40;
-const HINT = "Point at a cell to see which futures are reachable from it.";
 
 const COUNTED: Record<Sensor, (count: number, name: string) => string> = {
   object: (n, name) => `${n} reachable ${n === 1 ? "cell" : "cells"} for the ${name}`,
@@ -36,7 +36,7 @@ function sensed(scene: Scene): string {
 export function createLandscape({ connection, store, measuring }: App): { element: HTMLElement; picture: SVGSVGElement } {
   const board = createBoard("The landscape: bits for every cell of the agent", "landscape-board");
   const { picture } = board;
-  const caption = h("p", { class: "caption", id: "caption", "aria-live": "polite" }, HINT);
+  const caption = h("p", { class: "caption", id: "caption", "aria-live": "polite" });
   const scale = createScaleBar("bits");
   const progress = h("div", { class: "progress", role: "progressbar", "aria-label": "computing" });
   const fault = h("p", { class: "fault", role: "alert", id: "fault" });
@@ -73,6 +73,7 @@ export function createLandscape({ connection, store, measuring }: App): { elemen
     progress.style.setProperty("--share", String(share ?? 0));
     fault.textContent = error ?? "";
     caption.hidden = error !== null;
+    if (hovered === null) caption.textContent = hint();
     scale.show(error === null && landscape ? values : null);
     picture.dataset.pending = String(pending);
     draw();
@@ -80,9 +81,9 @@ export function createLandscape({ connection, store, measuring }: App): { elemen
 
   function hint(): string {
     const scene = store.scene();
-    return scene.sensor === "cells"
+    return scene.sensor === "cells" && scene.kind === "open-loop"
       ? `Click cells to choose where the ${objectOf(scene)} is observed; point at one to see its futures.`
-      : HINT;
+      : hintOf(scene.kind, measuring.latest().gap);
   }
 
   function hover(cell: Cell | null): void {
@@ -96,6 +97,10 @@ export function createLandscape({ connection, store, measuring }: App): { elemen
       marks = null;
       caption.textContent = hint();
       if (had) draw();
+      return;
+    }
+    if (store.scene().kind !== "open-loop") {
+      caption.replaceChildren(`At ${rowColumn(cell)}: `, h("strong", {}, `${bits.toFixed(3)} bits`), ".");
       return;
     }
     timer = window.setTimeout(() => {

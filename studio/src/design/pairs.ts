@@ -55,7 +55,7 @@ export function createPairs({ connection, store }: App): PairsView {
     const { drawn, tool, horizon: steps, slip } = message(store.scene());
     const scene = { drawn, horizon: steps, slip, ...(tool === undefined ? {} : { tool }) };
     const next = JSON.stringify(scene);
-    if (next === question) return; // of the sensor and the actions it does not depend
+    if (next === question) return draw(); // of the sensor and the actions it does not depend
     question = next;
     asked?.forget();
     wait(true);
@@ -127,7 +127,7 @@ export function createPairs({ connection, store }: App): PairsView {
     });
     about.textContent = pointed === null ? HINT : sentenceOf(pointed);
     const object = objects[shown];
-    heading.textContent = object === undefined ? "" : `The ${object}, over the steps ahead`;
+    heading.textContent = object === undefined ? "" : `The ${object}, over the steps ahead${store.scene().kind === "open-loop" ? "" : ", open loop"}`;
     chart.draw({
       lines: tools.flatMap(({ name, kind }, row) => {
         const averages = pairs[row * objects.length + shown]?.averages;

@@ -33,6 +33,8 @@ export function createQuestion({ hello, store }: App): HTMLElement {
     (value) => `${Math.round(100 * value)} %`,
     (slip) => store.change({ slip }, "slip"),
   );
+  const sensorField = field("Sensor", sensor);
+  sensorField.classList.add("in-line");
   const actionField = field("Actions", actions.element);
   const kind = createKind(
     hello, "", { horizon: horizon.element, actions: actionField }, (part, gesture) => store.change(part, gesture),
@@ -55,9 +57,9 @@ export function createQuestion({ hello, store }: App): HTMLElement {
     kind.element,
     horizon.element,
     ...kind.settings,
-    field("Sensor", sensor),
-    actionField,
     slip.element,
+    sensorField,
+    actionField,
   );
 }
 

@@ -1,7 +1,7 @@
 /** The control for what is measured: the kind of empowerment, and the settings of the chosen one. */
 
 import { h } from "../core/elements";
-import { KIND_NAMES, KIND_SENTENCES, OVER_ALL, type KindSettings } from "../core/kinds";
+import { KIND_NAMES, OVER_ALL, sentenceOn, type KindSettings } from "../core/kinds";
 import type { Hello, Kind } from "../core/protocol";
 import { field, select, slider } from "./widgets";
 
@@ -31,13 +31,13 @@ export function createKind(
   const discount = slider(
     "Discount",
     { id: `${prefix}discount`, least: 0, most: limits.discount, step: 0.05 },
-    (value) => `${value.toFixed(2)}, ${Number((1 / (1 - value)).toFixed(1))} ${value ? "steps on average" : "step"}`,
+    (value) => value.toFixed(2),
     (discount) => onChange({ discount }, "discount"),
   );
   const slack = slider(
     "Slack",
     { id: `${prefix}slack`, least: 0, most: limits.slack, step: 1 },
-    (value) => (value ? `${value} more than the shortest way` : "shortest ways only"),
+    String,
     (slack) => onChange({ slack }, "slack"),
   );
   const head = field("What is measured", kind);
@@ -47,7 +47,7 @@ export function createKind(
     settings: [discount.element, slack.element],
     show(chosen) {
       kind.value = chosen.kind;
-      sentence.textContent = KIND_SENTENCES[chosen.kind];
+      sentence.textContent = sentenceOn(chosen);
       discount.show(chosen.discount);
       slack.show(chosen.slack);
       others.horizon.hidden = chosen.kind === "effective";
