@@ -34,7 +34,9 @@ DRAWN = {key: part for key, part in SCENE.items() if key not in ("map", "tool")}
             {"kind": "ball", "cell": [2, 2], "goal": None},
         ],
         "drop": True,
-    }
+    },
+    "kind": "effective",
+    "discount": 0.5,
 }
 AT = {"agent": [2, 0], "tools": [[3, 0]], "objects": [[8, 3]]}
 WHOLE = {

@@ -10,6 +10,7 @@ BENCHMARKS = (
     "start",
     "empowerment",
     "scale",
+    "kinds",
     "worlds",
     "models",
     "environments",
@@ -19,6 +20,7 @@ BENCHMARKS = (
     "sb3",
 )
 _EXTRAS = {"learning": "learn", "lanes": "learn", "sb3": "learn", "studio": "studio"}
+_LARGE = ("kinds",)  # which have sizes that take minutes
 _APART = ("sb3", "lanes")  # measured when named: it needs torch, or is of interest on a GPU
 
 
@@ -45,14 +47,15 @@ class Result:
         return f"{self.name:<52} {self.value:>12,.3g} {self.unit:<14} {self.note}"
 
 
-def run_benchmarks(names: Sequence[str]) -> list[Result]:
+def run_benchmarks(names: Sequence[str], large: bool = False) -> list[Result]:
     """Runs benchmarks one after the other.
 
     Args:
         names: some of `BENCHMARKS`; if there are none, all that need no other environment.
+        large: whether to measure the largest sizes too, of those that have some.
 
     Raises:
-        ValueError: no such benchmark.
+        ValueError: no such benchmark, or none with larger sizes.
         MissingExtraError: what a benchmark needs is not installed.
     """
     from habilis.extras import import_from
@@ -62,12 +65,16 @@ def run_benchmarks(names: Sequence[str]) -> list[Result]:
         raise ValueError(
             f"benchmark {unknown[0]!r} is unknown; use some of {', '.join(BENCHMARKS)}"
         )
+    if large and names and not set(names) & set(_LARGE):
+        raise ValueError(
+            f"--large is of {', '.join(_LARGE)}, and not of {', '.join(names)}; leave it out"
+        )
     results = []
     for name in names or [name for name in BENCHMARKS if name not in _APART]:
         path = f"habilis.benchmarks.{name}"
         extra = _EXTRAS.get(name)
         module = import_module(path) if extra is None else import_from(path, extra)
-        results += module.results()
+        results += module.results(large=True) if large and name in _LARGE else module.results()
     return results
 
 

@@ -25,8 +25,8 @@ def results() -> list[Result]:
     empowerment(room(7), 1, "object", states={"agent": (0, 0), "tool": (2, 2), "object": (4, 4)})
     cores = processors()
     world = room(_SIDE)
-    table, mdp = _timed(lambda: tabulate(world))
-    toe, bits = _timed(lambda: empowerment(mdp, 6, "object"))
+    table, mdp = timed(lambda: tabulate(world))
+    toe, bits = timed(lambda: empowerment(mdp, 6, "object"))
     memory = _peak_gib()
     size = f"{_SIDE}x{_SIDE}, picker, {mdp.states:,} placements"
     lines = [
@@ -34,10 +34,10 @@ def results() -> list[Result]:
         Result("TOE, h = 6", toe, "s", f"{size}, {cores} threads"),
         Result("peak memory so far", memory, "GiB", size),
     ]
-    alone, same = _timed(lambda: empowerment(mdp, 6, "object", method=Exact(threads=1)))
+    alone, same = timed(lambda: empowerment(mdp, 6, "object", method=Exact(threads=1)))
     assert np.array_equal(bits, same)
     lines.append(Result("TOE, h = 6: one thread / all", alone / toe, "times", f"{cores} cores"))
-    smaller, _ = _timed(lambda: empowerment(small, 6, "object"))
+    smaller, _ = timed(lambda: empowerment(small, 6, "object"))
     per_state = (toe / mdp.states) / (smaller / small.states)
     lines.append(
         Result(
@@ -47,17 +47,18 @@ def results() -> list[Result]:
             f"{mdp.states:,} and {small.states:,} placements; independent of the map: 1",
         )
     )
-    foe, _ = _timed(lambda: empowerment(mdp, 4, "state"))
+    foe, _ = timed(lambda: empowerment(mdp, 4, "state"))
     lines.append(Result("FOE, h = 4", foe, "s", f"{size}, {cores} threads"))
     lines.append(Result("peak memory in all", _peak_gib(), "GiB", size))
     huge = room(_HUGE)
     place = {"agent": (100, 100), "tool": (100, 101), "object": (100, 102)}
-    one, _ = _timed(lambda: empowerment(huge, 6, "object", states=place))
+    one, _ = timed(lambda: empowerment(huge, 6, "object", states=place))
     lines.append(Result("TOE, h = 6, one state", one, "s", f"{_HUGE}x{_HUGE}, without a table"))
     return lines
 
 
-def _timed(call: Callable[[], Any]) -> tuple[float, Any]:
+def timed(call: Callable[[], Any]) -> tuple[float, Any]:
+    """Seconds, and the result."""
     began = time.perf_counter()
     result = call()
     return time.perf_counter() - began, result

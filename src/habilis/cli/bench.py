@@ -12,12 +12,14 @@ COMMON: tuple[str, ...] = ()
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("what", nargs="*", metavar="WHAT", help="which benchmarks (default all)")
+    text = "of kinds also the largest sizes: five minutes and more"
+    parser.add_argument("--large", action="store_true", help=text)
 
 
 def run(args: Args) -> int:
     from habilis.benchmarks import run_benchmarks
 
-    results = run_benchmarks(args.what)
+    results = run_benchmarks(args.what, args.large)
     if args.json:
         return print_json({"results": [result.as_dict() for result in results]})
     for result in results:
