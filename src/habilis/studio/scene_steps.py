@@ -26,6 +26,7 @@ from habilis.empowerment.tabular.cost import check_effort, most_entries
 from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
 from habilis.mdp import TabularMDP
 from habilis.models.limits import TooManyStatesError
+from habilis.probabilities import shape_of
 from habilis.studio.films import film
 from habilis.studio.limits import (
     BOARD_STATES,
@@ -229,7 +230,7 @@ def _check_numbers(scene: AnyScene, mdp: TabularMDP) -> None:
     """
     if not scene.measured.is_effective:
         return
-    seen = observation_probabilities(mdp, scene.sensed(mdp)).shape[1]
+    seen = shape_of(observation_probabilities(mdp, scene.sensed(mdp)))[1]
     if seen * mdp.states > NUMBERS:
         raise ValueError(
             f"effective empowerment of {seen:,} observations in {mdp.states:,} states takes too "
