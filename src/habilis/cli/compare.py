@@ -18,6 +18,7 @@ from habilis.cli.arguments import (
     measure_options,
     parse_words,
 )
+from habilis.cli.compare_robots import SUFFIX, check, run_robots
 from habilis.cli.output import lower_bounds, print_json, print_written, save, shows_progress
 from habilis.cli.puzzles import puzzle_of
 from habilis.files import PICTURES, TABLES
@@ -38,7 +39,8 @@ COMMON: tuple[str, ...] = ("--horizon", "--tools", "--pairs")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    text = "a built-in world or a map file; or a puzzle file (.pwp, .xsb), for its tool ranking"
+    text = "a built-in world or a map file; a puzzle file (.pwp, .xsb), for its tool ranking; or a "
+    text += "MuJoCo file (.xml) with bodies hand and puck, such as the built-in reach.xml"
     parser.add_argument("world", metavar="WORLD", help=text)
     text = "the movable of a puzzle that is acted on (default: the first)"
     parser.add_argument("--target", metavar="M0", help=text)
@@ -50,7 +52,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--horizon", type=int, metavar="H", help=text)
     text = "every tool with every object of the map (--tools: by default those of the map, none)"
     parser.add_argument("--pairs", action="store_true", help=text)
-    kinds = "with --pairs: picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
+    text = "of a MuJoCo file: the puck is put into each of N by N squares (default 8)"
+    parser.add_argument("--side", type=int, metavar="N", help=text)
+    text = "of a MuJoCo file: searches of each placement (default 4)"
+    parser.add_argument("--seeds", type=int, metavar="K", help=text)
+    text = "of a MuJoCo file: states that a search goes on from (default 200)"
+    parser.add_argument("--sequences", type=int, metavar="N", help=text)
+    kinds = "with --pairs or of a MuJoCo file: picture (.png, .svg, .pdf) or values (.csv, "
+    kinds += ".parquet, .npz, .npy)"
     text = f"{kinds}; repeatable"
     parser.add_argument("--out", type=Path, action="append", default=[], metavar="F.png", help=text)
     parser.set_defaults(writes={"out": (*PICTURES, *TABLES)})
@@ -63,6 +72,9 @@ def run(args: Args) -> int:
     from habilis.analysis.averages import ranking, with_each_tool
     from habilis.analysis.usefulness import usefulness
 
+    check(args)
+    if args.world.endswith(SUFFIX):
+        return run_robots(args)
     puzzle = puzzle_of(args, args.world, ("tools", "pairs", "slip", "out"))
     if puzzle is not None:
         return _run_ranking(args, puzzle)
