@@ -266,9 +266,9 @@ def compare_tools(
         MissingExtraError: MuJoCo is not installed.
 
     Example:
-        >>> found = compare_tools("reach.xml", ["none", "stick"], horizon=5, side=3, seeds=1)
+        >>> found = compare_tools("reach.xml", ["none", "stick"], horizon=4, side=2, seeds=1)
         >>> dict(zip(found.tools, found.influenced.round(2).tolist()))
-        {'none': 0.22, 'stick': 0.78}
+        {'none': 0.5, 'stick': 0.5}
     """
     names = [NO_TOOL, *tools_of(model)] if tools is None else list(tools)
     if len(set(names)) != len(names) or not names:

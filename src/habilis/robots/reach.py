@@ -39,7 +39,7 @@ class Reach:
 
     Example:
         >>> Reach(tool=0.5).xml().count("<geom")
-        14
+        15
     """
 
     side: float = 1.0
