@@ -215,7 +215,14 @@ class VectorEmpowermentReward(VectorWrapper):
         self._ended = np.zeros(self.num_envs, bool)
 
     def follow(self, policy: Policy) -> None:
-        """Computes effective empowerment anew, as in `EmpowermentReward.follow`."""
+        """Computes effective empowerment anew, under the agent's policy.
+
+        Args:
+            policy: as in `EmpowermentReward.follow`.
+
+        Raises:
+            ValueError: as there.
+        """
         self._states.measure(partial(self._under, policy))
 
     def reset(
