@@ -30,6 +30,7 @@ from habilis.estimators import Gaussian as Gaussian
 from habilis.estimators import MonteCarlo as MonteCarlo
 from habilis.estimators import Simulator as Simulator
 from habilis.estimators import evaluate as evaluate
+from habilis.estimators import plug_in_interval as plug_in_interval
 from habilis.estimators import suite as suite
 from habilis.learning import A2C as A2C
 from habilis.learning import PPO as PPO

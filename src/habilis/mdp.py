@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 class TabularMDP:
     """A finite MDP; state and action are indices.
 
-    Made by `deterministic`, `stochastic`, `from_gymnasium`, `from_storm`, of a model by `explore`,
-    of a world by `tabulate`, or read by `load` and `load_pomdp`.
+    Made by `deterministic`, `stochastic`, `from_gymnasium`, `from_storm`, `from_transitions`, of a
+    model by `explore`, of a world by `tabulate`, or read by `load` and `load_pomdp`.
 
     Attributes:
         transitions: where actions lead. Deterministic: int32[S, A], the next state. Stochastic:
@@ -64,6 +64,8 @@ class TabularMDP:
         players: how many actions each of several players has, by name, where an action is one of
             each of them: the joint action (a, b) is `a * n + b`, n the number of actions of the
             last. Empty where one agent chooses.
+        counts: of a table of logged transitions (`from_transitions`), sparse int64[S * A, S], how
+            often each was logged.
     """
 
     transitions: "Int32[np.ndarray, 'S A'] | csr_array"
@@ -80,6 +82,7 @@ class TabularMDP:
     model_states: "ModelStates | None" = field(default=None, repr=False)
     drawn: Any = field(default=None, repr=False)
     players: Mapping[str, int] = field(default_factory=dict)
+    counts: "csr_array | None" = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         """Checks the players.
@@ -199,6 +202,7 @@ class TabularMDP:
 
     from_gymnasium = classmethod(mdp_sources.from_gymnasium)
     from_storm = classmethod(mdp_sources.from_storm)
+    from_transitions = classmethod(mdp_sources.from_transitions)
     load = classmethod(mdp_sources.load)
     save = mdp_sources.save
 

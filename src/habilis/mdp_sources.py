@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from numpy.typing import ArrayLike
+
 if TYPE_CHECKING:
     from habilis.mdp import TabularMDP
 
@@ -73,6 +75,48 @@ def from_gymnasium(
     return table_of(env, max_states, seed, key, ignore, state, factors, show_progress)
 
 
+def from_transitions(
+    cls: type["TabularMDP"],
+    states: ArrayLike,
+    actions: ArrayLike,
+    next_states: ArrayLike,
+    *,
+    state_count: int | None = None,
+    action_count: int | None = None,
+) -> "TabularMDP":
+    """The table of logged transitions: probabilities are relative frequencies.
+
+    An action that was never tried in a state is not available there, so that no measure takes a
+    sequence that may come to it: what was never tried is unknown. Rewards are 0.
+
+    Args:
+        states: int[n], the state before each transition.
+        actions: int[n], the action that was taken.
+        next_states: int[n], the state that it led to.
+        state_count: how many states there are; by default as many as are named.
+        action_count: how many actions there are; by default as many as are named.
+
+    Returns:
+        A table that keeps its `counts`, from which `plug_in_interval` makes an interval.
+
+    Raises:
+        ValueError: these are no indices, are of different lengths or none, or exceed the numbers
+            that are given.
+
+    Example:
+        >>> from habilis import TabularMDP
+        >>> mdp = TabularMDP.from_transitions([0, 0, 0, 1], [0, 0, 0, 1], [1, 1, 0, 0])
+        >>> mdp.transition(0).toarray().round(2)
+        array([[0.33, 0.67],
+               [0.  , 0.  ]])
+        >>> mdp.available.tolist()
+        [[True, False], [False, True]]
+    """
+    from habilis.bridges.transition_logs import table_of
+
+    return table_of(states, actions, next_states, state_count, action_count)
+
+
 def from_storm(
     cls: type["TabularMDP"],
     model: Any,
@@ -114,8 +158,8 @@ def from_storm(
 def save(self: "TabularMDP", path: str | Path) -> None:
     """Writes the table to a file, which `TabularMDP.load` reads.
 
-    All of it but the environment or model that it was made of (`origin`, `model_states`). The
-    file holds arrays of NumPy without pickles; it is written whole or not at all.
+    All of it but what it was made of (`origin`, `model_states`, `counts`). The file holds arrays of
+    NumPy without pickles; it is written whole or not at all.
 
     Args:
         path: ends with .npz. A file of that name is replaced.

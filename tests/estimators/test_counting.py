@@ -64,6 +64,16 @@ def test_the_same_seed_gives_the_same_numbers_whatever_else_is_asked():
     assert not np.array_equal(together, other.bits(states))
 
 
+def test_progress_and_units_are_those_of_every_method():
+    ring = hb.TabularMDP.deterministic([[(s - 1) % 99, (s + 1) % 99] for s in range(99)])
+    method = hb.Counting()
+    plain = hb.empowerment(ring, 3, method=method)
+    assert np.array_equal(hb.empowerment(ring, 3, method=method, show_progress=True), plain)
+    assert hb.empowerment(ring, 3, method=method, unit="nats") == pytest.approx(plain * np.log(2))
+    few = hb.empowerment(ring, 3, method=method, states=np.arange(99) < 5)
+    assert np.array_equal(few, plain[:5])
+
+
 def test_nothing_can_be_done_in_no_time():
     assert hb.Counting().fit(simulators.pendulum(), 0).bits([[1, 2]]) == 0
 

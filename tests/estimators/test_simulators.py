@@ -243,6 +243,8 @@ def test_steps_are_counted():
     metered = simulators.Metered(simulators.double_integrator())
     rolled(metered, np.zeros((4, 2)), np.zeros((4, 6, 1)))
     assert metered.steps == 24
+    hb.Gaussian(1.0, 1.0).fit(metered, 6).bits([[0, 0]])
+    assert metered.steps == 30
     assert metered.is_linear
 
 

@@ -9,6 +9,8 @@ from habilis.estimators.evaluation.evaluate import evaluate as evaluate
 from habilis.estimators.gaussian import Gaussian as Gaussian
 from habilis.estimators.gaussian import GaussianChannels as GaussianChannels
 from habilis.estimators.monte_carlo import MonteCarlo as MonteCarlo
+from habilis.estimators.plug_in import PlugInInterval as PlugInInterval
+from habilis.estimators.plug_in import plug_in_interval as plug_in_interval
 from habilis.estimators.protocol import Estimator as Estimator
 from habilis.estimators.protocol import Fitted as Fitted
 from habilis.estimators.protocol import Simulator as Simulator

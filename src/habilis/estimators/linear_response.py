@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.estimators.protocol import Simulator, in_jax
-from habilis.estimators.rollouts import roll_out, roll_out_with
+from habilis.estimators.rollouts import report_steps, roll_out, roll_out_with
 from habilis.estimators.sensors import Reading, checked_reading
 from habilis.extras import import_from
 
@@ -70,6 +70,7 @@ def _by_jax(
     compiled = jax.jit(jax.vmap(jacobians))
 
     def response(states: np.ndarray) -> Responses:
+        report_steps(simulator, len(states) * horizon)
         with jax.enable_x64(True):
             by_action, by_noise = (np.asarray(one) for one in compiled(jnp.asarray(states)))
         return _flat(by_action), _flat(by_noise)

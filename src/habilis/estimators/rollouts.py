@@ -84,7 +84,7 @@ def roll_out(
             last = simulator.step(last, sequences[:, step], key)
             if np.shape(last) != states.shape:
                 break
-    _report(simulator, sequences.shape[0] * sequences.shape[1])
+    report_steps(simulator, sequences.shape[0] * sequences.shape[1])
     return _checked(last, states)
 
 
@@ -113,7 +113,7 @@ def roll_out_with(
         last = simulator.transition(  # pyright: ignore[reportAttributeAccessIssue]
             last, sequences[:, step], noise[:, step]
         )
-    _report(simulator, sequences.shape[0] * sequences.shape[1])
+    report_steps(simulator, sequences.shape[0] * sequences.shape[1])
     return _checked(last, states)
 
 
@@ -203,7 +203,7 @@ def _checked(last: Any, states: Float64[np.ndarray, "n d"]) -> Float64[np.ndarra
     return found
 
 
-def _report(simulator: Simulator, steps: int) -> None:
+def report_steps(simulator: Simulator, steps: int) -> None:
     """Tells a `Metered` simulator how many steps were made."""
     report = getattr(simulator, "report_steps", None)
     if report is not None:
