@@ -49,6 +49,9 @@ main(["landscape", "yard", "--horizon", "1"])
         ("hb.EmpowermentReward", "gymnasium", "gymnasium"),
         ("hb.envs.WorldEnv", "gymnasium", "gymnasium"),
         ("hb.envs.FunctionalEnv", "jax", "learn"),
+        ("hb.Counting().fit(hb.estimators.simulators.pendulum(), 1)", "jax", "robots"),
+        ("hb.estimators.simulators.MujocoSimulator('<mujoco/>')", "mujoco", "robots"),
+        ("hb.estimators.simulators.gymnasium_simulator('Pusher-v5')", "gymnasium", "robots"),
     ],
 )
 def test_a_public_name_whose_extra_is_missing_says_what_to_install(name, package, extra):

@@ -210,21 +210,7 @@ class FittedGaussian:
                 )
         own = covariance_of(self.noise, by_action.shape[1])
         covariance = own + by_noise @ by_noise.swapaxes(1, 2)
-        return np.stack(
-            [gains(jacobian, one) for jacobian, one in zip(by_action, covariance, strict=True)]
-        )
-
-
-def gains(
-    jacobian: Float64[np.ndarray, "p inputs"], covariance: Float64[np.ndarray, "p p"]
-) -> Float64[np.ndarray, "r"]:
-    """The squared singular values of a response in units of its noise, in decreasing order.
-
-    Raises:
-        ValueError: the covariance is singular.
-    """
-    response = whitened(covariance, jacobian)
-    return np.linalg.svd(response, compute_uv=False) ** 2
+        return np.linalg.svd(whitened(covariance, by_action), compute_uv=False) ** 2
 
 
 def water_filling(gains: Float64[np.ndarray, "n r"], power: float) -> GaussianChannels:

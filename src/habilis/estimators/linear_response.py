@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.estimators.protocol import Simulator, in_jax
-from habilis.estimators.rollouts import report_steps, roll_out, roll_out_with
+from habilis.estimators.rollouts import padded, power_of_two, report_steps, roll_out, roll_out_with
 from habilis.estimators.sensors import Reading, checked_reading
 from habilis.extras import import_from
 
@@ -72,7 +72,8 @@ def _by_jax(
     def response(states: np.ndarray) -> Responses:
         report_steps(simulator, len(states) * horizon)
         with jax.enable_x64(True):
-            by_action, by_noise = (np.asarray(one) for one in compiled(jnp.asarray(states)))
+            found = compiled(jnp.asarray(padded(states, power_of_two(len(states)))))
+            by_action, by_noise = (np.asarray(one)[: len(states)] for one in found)
         return _flat(by_action), _flat(by_noise)
 
     return response

@@ -264,9 +264,9 @@ def _points(
     white: Float64[np.ndarray, "N M p"],
 ) -> Float64[np.ndarray, "m p"]:
     """Points about centres, one or one for each."""
-    moved = [colored(one, some.T).T for one, some in zip(covariances, white, strict=True)]
+    moved = colored(covariances, white.swapaxes(1, 2)).swapaxes(1, 2)
     about = centres[:, None] if centres.ndim == 2 else centres
-    return (about + np.stack(moved)).reshape(-1, white.shape[2])
+    return (about + moved).reshape(-1, white.shape[2])
 
 
 def _channel_to(

@@ -40,44 +40,45 @@ def covariance_of(noise: Any, size: int | None = None) -> Float64[np.ndarray, "p
 
 
 def whitened(
-    covariance: Float64[np.ndarray, "p p"], vectors: Float64[np.ndarray, "p m"]
-) -> Float64[np.ndarray, "p m"]:
+    covariance: Float64[np.ndarray, "*n p p"], vectors: Float64[np.ndarray, "*n p m"]
+) -> Float64[np.ndarray, "*n p m"]:
     """Vectors, one a column, in coordinates in which the noise is white.
 
     Raises:
-        ValueError: the covariance is singular.
+        ValueError: a covariance is singular.
     """
-    from scipy.linalg import solve_triangular
-
     deviation, factor = _factored(covariance)
-    return solve_triangular(factor, vectors / deviation[:, None], lower=True)
+    return np.linalg.solve(factor, vectors / deviation[..., None])
 
 
 def colored(
-    covariance: Float64[np.ndarray, "p p"], white: Float64[np.ndarray, "p m"]
-) -> Float64[np.ndarray, "p m"]:
+    covariance: Float64[np.ndarray, "*n p p"], white: Float64[np.ndarray, "*n p m"]
+) -> Float64[np.ndarray, "*n p m"]:
     """White noise, one vector a column, with a covariance: the inverse of `whitened`."""
     deviation, factor = _factored(covariance)
-    return deviation[:, None] * (factor @ white)
+    return deviation[..., None] * (factor @ white)
 
 
-def log_volume(covariance: Float64[np.ndarray, "p p"]) -> float:
+def log_volume(covariance: Float64[np.ndarray, "*n p p"]) -> Float64[np.ndarray, "*n"]:
     """Half the logarithm of the determinant of a covariance, in nats."""
     deviation, factor = _factored(covariance)
-    return float(np.log(deviation).sum() + np.log(np.diag(factor)).sum())
+    logs = np.log(deviation * np.diagonal(factor, axis1=-2, axis2=-1))
+    return np.asarray(logs.sum(axis=-1))
 
 
-def _factored(covariance: Float64[np.ndarray, "p p"]) -> tuple[np.ndarray, np.ndarray]:
+def _factored(
+    covariance: Float64[np.ndarray, "*n p p"],
+) -> tuple[Float64[np.ndarray, "*n p"], Float64[np.ndarray, "*n p p"]]:
     """Standard deviations, and Cholesky's factor of the correlation matrix."""
-    deviation = np.sqrt(np.diag(covariance))
+    deviation = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
     if not (deviation > 0).all():
-        silent = int(np.flatnonzero(~(deviation > 0))[0])
+        silent = int(np.argwhere(~(deviation > 0))[0][-1])
         raise ValueError(
             f"the total noise is singular: component {silent} of the sensor has none, which would "
             "make its capacity infinite; give it noise above 0"
         )
-    correlation = covariance / np.outer(deviation, deviation)
-    if not np.linalg.eigvalsh(correlation)[0] > _SINGULAR:
+    correlation = covariance / (deviation[..., None] * deviation[..., None, :])
+    if not (np.linalg.eigvalsh(correlation)[..., 0] > _SINGULAR).all():
         raise ValueError(
             "the total noise is singular: that of some components of the sensor is always the "
             "same, which would make their capacity infinite; give each noise of its own"

@@ -171,6 +171,18 @@ def outcomes_of(simulator: Simulator, shown: Reading) -> Outcomes:
     return outcomes
 
 
+def power_of_two(rows: int) -> int:
+    """The least power of 2 that is no less: with few numbers of rows, little is compiled."""
+    return 1 << (rows - 1).bit_length()
+
+
+def padded(rows: np.ndarray, size: int) -> np.ndarray:
+    """The rows, the last repeated so that there are so many."""
+    if len(rows) == size:
+        return rows
+    return np.concatenate([rows, np.repeat(rows[-1:], size - len(rows), axis=0)])
+
+
 def in_double(simulator: Simulator, function: Reading) -> Reading:
     """A sensor of a simulator of JAX in double precision; one of any other as it is."""
     if not in_jax(simulator):
