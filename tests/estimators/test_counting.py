@@ -118,6 +118,8 @@ def test_wrong_arguments_are_refused_in_one_line():
         hb.Counting().fit(pendulum, 1).bits([[0, 0], [0, np.nan]])
     with pytest.raises(ValueError, match="a simulator has no list of its states"):
         hb.empowerment(pendulum, 1, method=hb.Counting())
+    with pytest.raises(ValueError, match=r"no world; give hb\.tabulate"):
+        hb.empowerment(hb.load_world("corridor"), 1, method=hb.Counting())
     with pytest.raises(ValueError, match="int is no simulator: it has no `actions`"):
         hb.empowerment(5, 1, states=[[0.0]], method=hb.Counting())
     with pytest.raises(ValueError, match="states has 2; use indices from 0 to 1"):

@@ -15,6 +15,7 @@ from habilis.estimators.protocol import (
 from habilis.estimators.simulators.finite import FiniteSimulator
 from habilis.mdp import TabularMDP
 from habilis.progress import progress_bar
+from habilis.worlds.world import World
 
 _AT_ONCE = 64  # states between two reports
 
@@ -51,6 +52,10 @@ def estimated_bits(
         outside = given[(given < 0) | (given >= model.states) | (given != np.floor(given))]
         if len(outside):
             raise ValueError(f"states has {outside[0]:g}; use indices from 0 to {model.states - 1}")
+    elif isinstance(model, World):
+        raise ValueError(
+            "an estimator takes a simulator or a table, no world; give hb.tabulate(world)"
+        )
     else:
         simulator = checked_simulator(model)
         if states is None:

@@ -17,7 +17,7 @@ def gymnasium_simulator(environment: Any, *, actions: Any = None) -> MujocoSimul
     Sequences are rolled out by MuJoCo itself, with the environment's model and frame skip. First
     some steps are made in the environment too, from states that `set_state` puts it in; it is
     refused if they lead elsewhere, as with wrappers that change actions. Rewards, ends and time
-    limits have no part in it.
+    limits have no part in it. The environment is reset.
 
     Args:
         environment: such as `gymnasium.make("Pusher-v5")`, or its ID.
@@ -48,12 +48,14 @@ def gymnasium_simulator(environment: Any, *, actions: Any = None) -> MujocoSimul
             )
     simulator = MujocoSimulator(inside.model, substeps=int(inside.frame_skip), actions=actions)
     _compare(made, simulator)
+    if made is not environment:
+        made.close()
     return simulator
 
 
 def _compare(made: Any, simulator: MujocoSimulator) -> None:
     """Makes a few steps in both, and refuses an environment that goes elsewhere."""
-    inside, (nq, nv) = made.unwrapped, (made.unwrapped.model.nq, made.unwrapped.model.nv)
+    inside, nq = made.unwrapped, made.unwrapped.model.nq
     if simulator.model.na:
         raise ValueError(
             "the environment's actuators have states of their own, which set_state does not set; "
@@ -79,4 +81,3 @@ def _compare(made: Any, simulator: MujocoSimulator) -> None:
                 "with its model; remove wrappers that change actions, or write a simulator of it"
             )
     made.reset(seed=0)
-    assert nv == len(inside.data.qvel)
