@@ -1,19 +1,23 @@
 """Tools in the hand of a planar robot: the figures of docs/explanation/robots.md.
 
-    python -m research.robots        # a quarter of an hour on two processors
+    python -m research.robots         # a quarter of an hour on two processors
+    python -m research.robots check   # larger searches in some placements, five minutes
 
 Writes research/results/robots.csv, a row for each tool, placement and search, and the pictures and
 the table beside the page. What robots.csv has is not computed again.
 """
 
+import sys
 from pathlib import Path
 
 import numpy as np
 import polars as pl
 
+from habilis.estimators import Counting
 from habilis.files import write_whole
 from habilis.robots import (
     PushingSimulator,
+    Reach,
     ToolComparison,
     compare_tools,
     draw_comparison,
@@ -21,6 +25,7 @@ from habilis.robots import (
     push_plan,
     push_scenes,
 )
+from habilis.robots.comparison import SEQUENCES
 from habilis.worlds.pictures.figures import save_figure
 from habilis.worlds.pictures.video import save_video
 
@@ -75,6 +80,27 @@ def comparison() -> ToolComparison:
     )
 
 
+def regions(found: ToolComparison) -> pl.DataFrame:
+    """The averages behind the wall, past it, and in the hand's own reach."""
+    x, y = found.placements.positions.T
+    beyond, left = y > Reach().wall, x < Reach().side / 2 - Reach().opening
+    near = y < Reach().reach + 2 * Reach().radius
+    masks = {
+        "behind the wall": beyond & left,
+        "on the open shelf": beyond & ~left,
+        "between": ~beyond & ~near,
+        "near the hand, left": near & left,
+        "near the hand, right": near & ~left,
+    }
+    judged = found.verdicts("hook", "stick")
+    rows = []
+    for name, mask in masks.items():
+        bits = dict(zip(found.tools, found.bits[:, mask].mean(axis=(1, 2)), strict=True))
+        hook = {"hook better": judged.better[mask].sum(), "hook worse": judged.worse[mask].sum()}
+        rows.append({"puck": name, "placements": mask.sum(), **bits, **hook})
+    return pl.DataFrame(rows)
+
+
 def film() -> list[int]:
     """A plan with the hook, and its film."""
     start, goal = PULL
@@ -85,13 +111,28 @@ def film() -> list[int]:
     return plan.tolist()
 
 
+def check() -> None:
+    """Compares with searches that go on from four times as many states."""
+    few, many = (
+        compare_tools(MODEL, TOOLS, HORIZON, side=4, seeds=2, method=Counting(0.05, sequences))
+        for sequences in (SEQUENCES, 4 * SEQUENCES)
+    )
+    for place, tool in enumerate(TOOLS):
+        print(f"{tool}: {few.averages[place]:.3f} bits, {many.averages[place]:.3f}")
+    for tool in TOOLS[1:]:
+        first, second = few.verdicts(tool), many.verdicts(tool)
+        turned = (first.better & second.worse) | (first.worse & second.better)
+        changed = (first.better != second.better) | (first.worse != second.worse)
+        print(f"{tool} against none: {turned.sum()} reversed, {changed.sum()} changed")
+
+
 def main() -> None:
     PAGE.mkdir(exist_ok=True)
     found = comparison()
     save_figure(draw_comparison(found, MODEL), PAGE / "landscape.png")
     save_figure(draw_comparison(found, MODEL, "stick"), PAGE / "against-stick.png")
     with pl.Config(tbl_cols=-1, float_precision=3, tbl_width_chars=240):
-        print(found.frame())
+        print(found.frame(), regions(found))
     for tool, than in (("hook", "stick"), ("scoop", "hook"), ("scoop", "stick")):
         judged, ends = found.verdicts(tool, than), found.gain(than)
         place = found.tools.index(tool)
@@ -104,4 +145,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    check() if "check" in sys.argv[1:] else main()
