@@ -7,7 +7,6 @@ import ast
 import inspect
 import re
 import sys
-import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from importlib import import_module
@@ -173,7 +172,10 @@ def _entries(text: str, section: str) -> set[str]:
 
 def _raised(function: Callable[..., Any]) -> set[str]:
     """The errors that a function raises itself, by name."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    source = inspect.getsource(function)
+    tree = ast.parse(
+        f"if True:\n{source}" if source[0].isspace() else source
+    )  # a method is indented
     raised = (node.exc for node in ast.walk(tree) if isinstance(node, ast.Raise))
     made = (e.func for e in raised if isinstance(e, ast.Call))
     return {kind.id for kind in made if isinstance(kind, ast.Name) and kind.id[0].isupper()}
