@@ -130,3 +130,12 @@ def test_costs_are_means_over_the_states_that_are_reached():
 def test_what_it_refuses(arguments, message):
     with pytest.raises(ValueError, match=message):
         hb.empowerment(DETERMINISTIC, 2, **arguments)
+
+
+def test_a_budget_that_only_rounding_puts_below_the_cheapest_sequence_is_enough():
+    tenth = np.full((5, 3), 0.1)  # three of them are a little more than 0.3
+    plain = hb.empowerment(DETERMINISTIC, 3, states=[0])
+    found = hb.empowerment(DETERMINISTIC, 3, states=[0], cost=tenth, budget=[0.3, 0.30001])
+    np.testing.assert_allclose(found[0], plain[0], atol=1e-6)
+    with pytest.raises(ValueError, match=r"budget is 0.2999999, .* costs 0.3;"):
+        hb.empowerment(DETERMINISTIC, 3, states=[0], cost=tenth, budget=0.2999999)

@@ -100,3 +100,15 @@ def test_what_it_refuses(arguments, message):
     mdp = hb.TabularMDP.deterministic([[0, 1], [1, 0]])
     with pytest.raises(ValueError, match=message):
         hb.empowerment(mdp, **({"horizon": 2, "sensor_at": "each step"} | arguments))
+
+
+@pytest.mark.parametrize("states", [None, [[0.5, 0.5, 0.0]]])
+def test_where_no_sequence_can_surely_be_carried_out_it_is_0(states):
+    P = np.zeros((3, 2, 3))
+    P[0, 0, [1, 2]] = 0.5  # after it no action is available in both
+    P[1, 0, 0] = P[2, 1, 0] = 1
+    mdp = hb.TabularMDP.stochastic(P, axes="SAS")
+    asked = {"states": None if states is None else np.array(states), "sensor_at": "each step"}
+    assert hb.empowerment(mdp, 2, **asked)[0] == 0
+    cost = np.ones((3, 2))
+    assert hb.empowerment(mdp, 2, **asked, cost=cost, budget=2)[0] == 0

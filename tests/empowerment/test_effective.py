@@ -191,6 +191,7 @@ TWO = [[0, 1], [1, -1]]
         ({"policy": [[0.5, 0.5], [0.5, 0.5]]}, "policy has 0.5 for action 1 in state 1, which is"),
         ({"policy": [[0.5, 0.4], [1, 0]]}, "policy, state 0 sums to 0.9"),
         ({"first_step": -1}, "first_step is -1; give a whole number"),
+        ({"first_step": 10**9}, "first_step is 1,000,000,000, whose steps take 1.0e\\+14 products"),
         ({"sensor": "state + state"}, "several; give one alone"),
         ({"sensor": np.full((2, 2, 2), 0.5), "first_step": 0}, "shows nothing before an action"),
         ({"states": [2]}, "states has 2; use indices from 0 to 1"),
@@ -207,3 +208,14 @@ def test_a_state_without_actions_is_refused():
     mdp = hb.TabularMDP.deterministic([[0, 1], [-1, -1]])
     with pytest.raises(ValueError, match="state 1 has no action, so that a policy ends there"):
         effective_empowerment(mdp, "uniform", 0.5)
+
+
+@pytest.mark.parametrize("maximise", [False, True])
+def test_a_discount_that_rounding_does_not_allow_ends_with_a_gap_that_says_so(maximise):
+    ring = hb.TabularMDP.deterministic([[(s - 1) % 9, (s + 1) % 9, s] for s in range(9)])
+    with pytest.warns(hb.ConvergenceWarning, match="above the tolerance"):
+        bits, gap = effective_empowerment(
+            ring, "uniform", 1 - 1e-9, states=[0], maximise=maximise, return_gap=True
+        )
+    assert bits[0] == pytest.approx(0, abs=1e-9)
+    assert 1e-6 < gap[0] < 1e-3

@@ -29,6 +29,7 @@ Costs = Float64[np.ndarray, "K"]
 
 _LN2 = float(np.log(2))
 _HALVINGS = 80
+_ROUNDING = 1e-12  # of costs, which are sums
 
 
 def within_budget(
@@ -74,10 +75,11 @@ def within_budget(
             channel, costs = priced_channel(mdp, moves, seen, start, horizon, actions, each, limits)
         if not len(costs):
             continue  # no sequence can surely be carried out
-        if costs.min() > budgets.min():
+        if costs.min() - budgets.min() > _ROUNDING * max(costs.min(), 1.0):
             raise ValueError(
-                f"budget is {budgets.min():g}, but the cheapest sequence of {horizon} actions from "
-                f"states[{list(states).index(start)}] costs {costs.min():g}; give at least that"
+                f"budget is {budgets.min():.12g}, but the cheapest sequence of {horizon} actions "
+                f"from states[{list(states).index(start)}] costs {costs.min():.12g}; give at least "
+                "that"
             )
         for column, most in enumerate(budgets.tolist()):
             found = capacity_within(channel, costs, most, tolerance * _LN2)
@@ -170,7 +172,7 @@ def capacity_within(
 
     Args:
         channel: float64[K, O].
-        cost: float64[K], of each input; the least is at most the budget.
+        cost: float64[K], of each input; the least is at most the budget, but for rounding.
         budget: B.
         tolerance: the gap to stop at.
 
@@ -184,12 +186,12 @@ def capacity_within(
     channel = np.ascontiguousarray(channel[:, channel.any(axis=0)])
     rows = np.ascontiguousarray(channel / channel.sum(axis=1, keepdims=True))
     least = float(cost.min())
-    spare, above = budget - least, cost - least
+    spare, above = max(budget - least, 0.0), cost - least
+    above[above <= _ROUNDING * max(least, 1.0)] = 0.0
     inputs, found = best_inputs(rows, tolerance / 2)
     if inputs @ above <= spare:
         return found.lower, found.gap
-    cheap = np.where(above <= 1e-12, 1.0, 0.0)
-    free = np.flatnonzero(cheap)
+    free = np.flatnonzero(above == 0)
     within = np.zeros(len(cost))
     within[free], _ = best_inputs(_possible(rows[free]), tolerance / 4)
     upper = found.upper

@@ -154,7 +154,8 @@ def written_out(
             came = held[sure] @ after
             price = np.zeros(len(layer)) if cost is None else cost[layer, action]
             prices.append(costs[sure] + held[sure].sum(axis=1) @ price)
-            parts.append((came[:, :, None, :] * through.T).reshape(len(came), -1, len(reached)))
+            shape = len(came), came.shape[1] * len(outputs), len(reached)
+            parts.append((came[:, :, None, :] * through.T).reshape(shape))
         held, costs = np.concatenate(parts), np.concatenate(prices)
         held = np.ascontiguousarray(held[:, held.any(axis=(0, 2))])
         layer = reached

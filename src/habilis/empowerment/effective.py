@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
 Bits = Float64[np.ndarray, "n"]
 
+_MOST = 10**12  # products for the steps before the first, at most: minutes
 _BLOCK = 32_000_000  # numbers of the discounted observations that are worked on at once
 _LN2 = float(np.log(2))
 
@@ -142,7 +143,8 @@ def effective_empowerment(
 
     Raises:
         ValueError: a policy that is not one distribution over available actions a state, a
-            discount outside [0, 1), a state without actions, or what `empowerment` refuses.
+            discount outside [0, 1), a state without actions, a `first_step` that takes more than
+            10^12 products, or what `empowerment` refuses.
 
     Warns:
         ConvergenceWarning: a gap is above the tolerance.
@@ -161,14 +163,22 @@ def effective_empowerment(
     starts, chosen = chosen_states(mdp, states), checked_policy(mdp, policy)
     channel = _channel_of(mdp, chosen, sensor, float(discount), first_step)
     outputs = shape_of(channel.seen)[1]
+    effort = first_step * (channel.moves.nnz * outputs + 10**5)
+    if effort > _MOST:
+        raise ValueError(
+            f"first_step is {first_step:,}, whose steps take {effort:.1e} products, above "
+            f"{_MOST:.0e}; give fewer steps, or a coarser sensor"
+        )
     distance = _distance_of(tolerance / 2, outputs)
     with progress_bar("effective empowerment", show_progress) as bar:
         some = starts, distance, in_percent(bar)
         if maximise:
-            bits, gap = _capacities(channel, mdp.available, *some, tolerance)
+            bits, gap, off = _capacities(channel, mdp.available, *some, tolerance)
         else:
-            bits, gap = _informations(channel, chosen, *some), np.zeros(len(starts))
-    gap = gap + (information_error(distance, outputs) if discount > 0 else 0.0)
+            bits, off = _informations(channel, chosen, *some)
+            gap = np.zeros(len(starts))
+    if discount > 0:  # half of the distance is for rows that do not quite sum to 1
+        gap = gap + information_error(max(distance, off + distance / 2), outputs)
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return (bits * scale, gap * scale) if return_gap else bits * scale
@@ -250,20 +260,20 @@ def _distance_of(bits: float, outputs: int) -> float:
 
 def _discounted(
     channel: _Channel, columns: slice, distance: float, report: Progress
-) -> Float64[np.ndarray, "S O"]:
-    """The part of N for some observations, to within a total variation distance."""
+) -> tuple[Float64[np.ndarray, "S O"], float]:
+    """The part of N for some observations, and by what total variation distance it is off."""
     from habilis.empowerment.tabular.policies import discounted
 
     under: Any = channel.choice @ channel.moves
     mean: Any = channel.choice @ channel.seen
-    found = np.asarray(mean[:, columns].toarray())
+    found, off = np.asarray(mean[:, columns].toarray()), 0.0
     if channel.discount > 0:
         # Half the distance: rows that do not quite sum to 1 cost less than the other half.
         share = distance / 2 * found.shape[1] / shape_of(mean)[1]
-        found = discounted(under, found, channel.discount, max(share, 1e-300), report)
+        found, off = discounted(under, found, channel.discount, max(share, 1e-300), report)
     for _ in range(max(channel.first_step - 2, 0)):
         found = _in_threads(under, found, np.zeros_like(found), 1.0)
-    return found
+    return found, off
 
 
 def _in_threads(
@@ -322,19 +332,23 @@ def _informations(
     starts: Int64[np.ndarray, "n"],
     distance: float,
     report: Progress,
-) -> Bits:
-    """I(A; O) with the action drawn from the policy: a sum over observations, some at a time."""
+) -> tuple[Bits, float]:
+    """I(A; O) with the action drawn from the policy, and by what distance N is off.
+
+    It is a sum over observations, some at a time.
+    """
     from habilis.empowerment.tabular.policies import add_information
 
     states, outputs = shape_of(channel.at_once)
     width = max(_BLOCK // states, 1)
-    nats = np.zeros(len(starts))
+    nats, off = np.zeros(len(starts)), 0.0
     for first in range(0, outputs, width):
         columns = slice(first, min(first + width, outputs))
         share = partial(_of_part, report, first / outputs, (columns.stop - first) / outputs)
-        given = _arguments(channel, _discounted(channel, columns, distance, share), columns)
+        found, more = _discounted(channel, columns, distance, share)
+        given, off = _arguments(channel, found, columns), off + more
         _split(partial(_in_range, add_information, (*given, policy, starts, nats)), len(starts))
-    return np.maximum(nats, 0) / _LN2
+    return np.maximum(nats, 0) / _LN2, off
 
 
 def _capacities(
@@ -344,14 +358,15 @@ def _capacities(
     distance: float,
     report: Progress,
     tolerance: float,
-) -> tuple[Bits, Bits]:
-    """The capacity over the distribution of the action, and its gap."""
+) -> tuple[Bits, Bits, float]:
+    """The capacity over the distribution of the action, its gap, and by what N is off."""
     from habilis.channels.capacity_solver import best_inputs
     from habilis.empowerment.tabular.policies import add_capacity, channel_row
 
     outputs = shape_of(channel.at_once)[1]
     columns, share = slice(0, outputs), partial(_of_part, report, 0.0, 0.5)
-    given = _arguments(channel, _discounted(channel, columns, distance, share), columns)
+    found, off = _discounted(channel, columns, distance, share)
+    given = _arguments(channel, found, columns)
     report(0.5)
     lower, upper = np.zeros(len(starts)), np.zeros(len(starts))
     sought = tolerance * _LN2 / 2
@@ -368,7 +383,7 @@ def _capacities(
         _, found = best_inputs(rows, sought)
         if found.gap < upper[place] - lower[place]:
             lower[place], upper[place] = found.lower, max(found.upper, found.lower)
-    return lower / _LN2, np.maximum(upper - lower, 0) / _LN2
+    return lower / _LN2, np.maximum(upper - lower, 0) / _LN2, off
 
 
 def _arguments(

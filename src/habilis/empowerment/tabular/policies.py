@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 _ABREAST = 16  # columns that are solved together: so many states' rows stay in the cache
 _RESTART = 50
 _CYCLES = 20
+_MOST_STEPS = 1_000_000
+_ROUNDING = 1e-15  # of a residual's entries, together
 
 
 def _of_rows(at_once, seen, moves, discounted, weights, policy, states, *rest):
@@ -51,7 +53,7 @@ def discounted(
     discount: float,
     distance: float,
     report: Progress = unwatched,
-) -> Float64[np.ndarray, "S O"]:
+) -> tuple[Float64[np.ndarray, "S O"], float]:
     """The fixed point N = (1 - g) E + g T N, of distributions E or some of their columns.
 
     Iteration from E comes closer by the factor g a step. Where that takes long, BiCGSTAB (van der
@@ -64,11 +66,15 @@ def discounted(
         discount: g, above 0.
         distance: the total variation distance to reach, in every state.
         report: called with the share that is done, from several threads.
+
+    Returns:
+        N, and a bound on its distance: that which was to be reached, unless rounding, or a
+        million steps of iteration, came first.
     """
     starts = range(0, emitted.shape[1], _ABREAST)
     shares = np.zeros(len(starts))
 
-    def some(number: int) -> Float64[np.ndarray, "S o"]:
+    def some(number: int) -> tuple[Float64[np.ndarray, "S o"], float]:
         def come(left: float) -> None:
             shares[number] = min(np.log(left) / np.log(distance / len(starts)), 1.0)
             report(float(shares.mean()))
@@ -77,7 +83,8 @@ def discounted(
         return _fixed_point(matrix, columns, discount, distance / len(starts), come)
 
     with ThreadPoolExecutor(processors()) as pool:
-        return np.hstack(list(pool.map(some, range(len(starts)))))
+        parts, reached = zip(*pool.map(some, range(len(starts))), strict=True)
+    return np.hstack(parts), sum(reached)
 
 
 def _fixed_point(
@@ -86,26 +93,29 @@ def _fixed_point(
     g: float,
     distance: float,
     come: Callable[[float], None],
-) -> Float64[np.ndarray, "S O"]:
+) -> tuple[Float64[np.ndarray, "S O"], float]:
     """As `discounted`, of a few columns; `come` hears the distance that is left."""
     added, found = (1 - g) * emitted, emitted
     left = 1.0  # E and N are parts of distributions
     come(left)
+    rounding = _ROUNDING / (1 - g)
+    least = max(distance, rounding)
     cycles = _CYCLES if np.log(distance) / np.log(g) > 2 * _RESTART else 0
-    while cycles and left > distance:
-        closer = _closer(matrix, found, added, g, distance)
+    while cycles and left > least:
+        closer = _closer(matrix, found, added, g, least)
         then = _missing(added - _applied(matrix, closer, g), g)
         cycles = cycles - 1 if then < left / 2 else 0
         if then < left:
             found, left = closer, then
             come(max(left, distance))
-    steps = int(np.ceil(np.log(distance / left) / np.log(g))) if left > distance else 0
+    steps = int(np.ceil(np.log(least / left) / np.log(g))) if left > least else 0
+    steps = min(steps, _MOST_STEPS)
     for step in range(steps):
         come(left * g**step)
         new = added.copy()
         add_product(matrix.indptr, matrix.indices, matrix.data, found, g, new, 0, len(new))
         found = new
-    return np.maximum(found, 0)
+    return np.maximum(found, 0), max(left * g**steps, distance) + rounding
 
 
 def _applied(
