@@ -38,8 +38,8 @@ def _annotations_are_checked(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 _TESTS = Path(__file__).parent
-_SLOW = {*(_TESTS / "slow.txt").read_text("utf-8").split()}
-"""Folders, files and tests that `make test` leaves to `make test-slow`."""
+_SLOW = {*(_TESTS / "slow.txt").read_text("utf-8").splitlines()}
+"""Folders, files, tests, with or without their parameters, that `make test` leaves to `make test-slow`."""
 _LONG = {*(_TESTS / "long.txt").read_text("utf-8").splitlines()}
 """Of these, the tests left to `make test-long`: further variants of what the others prove."""
 
@@ -51,5 +51,5 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         file = Path(test.partition("::")[0])
         if item.nodeid in _LONG:
             item.add_marker(pytest.mark.long)
-        elif not _SLOW.isdisjoint({test, *map(Path.as_posix, (file, *file.parents))}):
+        elif not _SLOW.isdisjoint({item.nodeid, test, *map(Path.as_posix, (file, *file.parents))}):
             item.add_marker(pytest.mark.slow)

@@ -1,4 +1,5 @@
 # The public names: `__init__.py` imports each from here on first use.
+from habilis.envs.estimated_reward import EstimatedReward as EstimatedReward
 from habilis.envs.functional import FunctionalEnv as FunctionalEnv
 from habilis.envs.observations import Observation as Observation
 from habilis.envs.params import Empowerment as Empowerment

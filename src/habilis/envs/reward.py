@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import fields
 from functools import partial
+from inspect import signature
 from typing import Any, no_type_check
 
 import gymnasium
@@ -23,13 +24,12 @@ from habilis.envs.tabulated_states import (
     tabulated_states,
 )
 from habilis.envs.vector import TableVectorEnv
+from habilis.estimators.protocol import is_estimator
 from habilis.mdp import TabularMDP
 from habilis.rewards.measures import Policy, measured, under_policy
-from habilis.rewards.shaping import Bonus, regularised
+from habilis.rewards.shaping import EMPOWERMENT, EXTRINSIC, Bonus, regularised
 
 _EXACT = Exact()
-EXTRINSIC, EMPOWERMENT = "extrinsic_reward", "empowerment"
-"""Keys of `info`: the environment's own reward, and the bits of the state that was reached."""
 
 
 class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
@@ -61,6 +61,8 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
     """For tables of what is around it (see `gymnasium_tables.verification`)."""
 
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:  # copies give no env
+        if is_estimator(kwargs.get("method")):
+            return _estimated(env, args, kwargs)
         if isinstance(env, VectorEnv):
             return VectorEmpowermentReward(env, *args, **kwargs)
         return super().__new__(cls)
@@ -93,7 +95,9 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
                 "effective:object" with horizon 0, with `discount` under the uniform policy, or
                 one that `follow` is given.
             beta: its weight, in reward a bit; it must be given.
-            method: how M is found, as in `habilis.empowerment`.
+            method: how M is found, as in `habilis.empowerment`. With an estimator, such as
+                `hb.Gaussian`, this makes an `EstimatedReward`, which needs no table: of Gymnasium's
+                MuJoCo environments, or with `simulator=` and `state=`, of any other.
             beta_schedule: "constant", "linear" or "exponential".
             beta_steps: environment steps after which beta is 0 (linear) or has halved
                 (exponential); those of all copies of a vector environment count.
@@ -164,6 +168,24 @@ class EmpowermentReward(gymnasium.Wrapper, RecordConstructorArgs):
         self._taken += 1
         added = {EXTRINSIC: reward, EMPOWERMENT: float(values[here])}
         return observation, float(total), terminated, truncated, info | added
+
+
+def _estimated(env: Any, args: tuple[Any, ...], settings: dict[str, Any]) -> Any:
+    from habilis.envs.estimated_reward import EstimatedReward
+
+    if isinstance(env, VectorEnv):
+        raise ValueError(
+            "an estimator is for single environments; wrap each in EmpowermentReward before it is "
+            "vectorised"
+        )
+    names = [*signature(EmpowermentReward.__init__).parameters][2:]
+    given = dict(zip(names, args, strict=False)) | settings
+    foreign = [name for name in ("actions", "max_states", "ignore") if name in given]
+    if foreign:
+        raise ValueError(
+            f"{foreign[0]} is for tables, and the method is an estimator; leave it out"
+        )
+    return EstimatedReward(env, **given)
 
 
 class VectorEmpowermentReward(VectorWrapper):

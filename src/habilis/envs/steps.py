@@ -7,9 +7,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, ArrayLike, Bool, Float, Int, Int8, Int32, PRNGKeyArray
 
 from habilis.envs.params import Params, State
-from habilis.envs.reward import EMPOWERMENT, EXTRINSIC
 from habilis.envs.table import ACTION_MASK
-from habilis.rewards.shaping import regularised
+from habilis.rewards.shaping import EMPOWERMENT, EXTRINSIC, regularised
 
 Action = Int[ArrayLike, ""]
 

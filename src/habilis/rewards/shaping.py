@@ -11,6 +11,9 @@ from habilis.checks import above_zero, at_least, check_types, is_probability, on
 SCHEDULES = ("constant", "linear", "exponential")
 EARNED = ("next", "current", "difference")
 
+EXTRINSIC, EMPOWERMENT = "extrinsic_reward", "empowerment"
+"""Keys of `info`: the environment's own reward, and the bits of the state that was reached."""
+
 
 @dataclass(frozen=True)
 class Bonus:
