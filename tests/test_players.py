@@ -96,7 +96,7 @@ def test_factors_start_and_cells_are_those_of_the_joint_table():
     alone = two.of_player("left")
     assert alone.actions == ("stay", "go")
     assert alone.factor("left").tolist() == two.factor("left").tolist()
-    assert (alone.start, alone.shape, alone.players) == (two.start, two.shape, {})
+    assert (alone.start, alone.shape) == (two.start, two.shape)
     assert alone.state(0) == (0, 0)
 
 

@@ -77,8 +77,8 @@ def of_player(self: "TabularMDP", player: str, others: Any = UNIFORM) -> "Tabula
             `{"human": float[S, 5]}`, independently of each other; who is left out acts uniformly.
 
     Returns:
-        A table of the same states with the player's actions and no `players`; deterministic where
-        every outcome is certain.
+        A table of the same states with the player's actions, `players` the player alone, and so
+        "rest" as a sensor all factors but its own; deterministic where every outcome is certain.
 
     Raises:
         ValueError: there is no such player, `others` is no policy of theirs or chooses what is not
@@ -96,17 +96,24 @@ def of_player(self: "TabularMDP", player: str, others: Any = UNIFORM) -> "Tabula
         array([[0.5, 0.5],
                [0. , 1. ]])
     """
-    joint = joint_actions(self, player)
-    theirs = available_to_others(self, player, joint)
-    policy = policy_of_others(self, player, others, theirs)
+    return table_of_player(self, player, others)
+
+
+def table_of_player(
+    mdp: "TabularMDP", player: str, others: Any, argument: str = "others"
+) -> "TabularMDP":
+    """As `of_player`; errors call the others' policy `argument`."""
+    joint = joint_actions(mdp, player)
+    theirs = available_to_others(mdp, player, joint)
+    policy = policy_of_others(mdp, player, others, theirs, argument)
     policy = policy * theirs  # in states without actions it does not matter
-    place = list(self.players).index(player)
+    place = list(mdp.players).index(player)
     return replace(
-        self,
-        transitions=_transitions(self, joint, policy),
-        reward=_rewards(self, joint, policy),
-        actions=_names(self, place),
-        players={},
+        mdp,
+        transitions=_transitions(mdp, joint, policy),
+        reward=_rewards(mdp, joint, policy),
+        actions=_names(mdp, place),
+        players={player: len(joint)},
         origin=None,
     )
 
@@ -131,7 +138,11 @@ def joint_actions(mdp: "TabularMDP", player: str) -> Joint:
 
 
 def policy_of_others(
-    mdp: "TabularMDP", player: str, others: Any, theirs: Bool[np.ndarray, "S B"]
+    mdp: "TabularMDP",
+    player: str,
+    others: Any,
+    theirs: Bool[np.ndarray, "S B"],
+    argument: str = "others",
 ) -> Policy:
     """The probabilities of the joint actions of all players but one.
 
@@ -140,6 +151,7 @@ def policy_of_others(
         player: who is left out.
         others: as in `of_player`.
         theirs: which of the joint actions are available.
+        argument: what errors call `others`.
 
     Raises:
         ValueError: it is no policy, or chooses what is not available.
@@ -147,18 +159,18 @@ def policy_of_others(
     uniform = theirs / np.maximum(theirs.sum(axis=1, keepdims=True), 1)
     if isinstance(others, str):
         if others != UNIFORM:
-            raise ValueError(f"others is {others!r}; use 'uniform', or give the others' policy")
+            raise ValueError(f"{argument} is {others!r}; use 'uniform', or give the others' policy")
         return uniform
     sizes = {name: count for name, count in mdp.players.items() if name != player}
     if not isinstance(others, Mapping):
-        policy = _checked_policy(mdp, "others", others, prod(sizes.values()))
+        policy = _checked_policy(mdp, argument, others, prod(sizes.values()))
     else:
         policy = np.ones((mdp.states, 1))
         for name in others:
             if name not in sizes:
                 known = f"name {', '.join(sizes)}" if sizes else "there are none"
                 raise ValueError(
-                    f"others has {name!r}, which is none of the other players; {known}"
+                    f"{argument} has {name!r}, which is none of the other players; {known}"
                 )
         axes = tuple(sizes.values())
         for place, (name, count) in enumerate(sizes.items()):
@@ -168,18 +180,18 @@ def policy_of_others(
             if isinstance(given, str):
                 if given != UNIFORM:
                     raise ValueError(
-                        f"others has {given!r} for {name!r}; use 'uniform', or a policy"
+                        f"{argument} has {given!r} for {name!r}; use 'uniform', or a policy"
                     )
                 one = usable / np.maximum(usable.sum(axis=1, keepdims=True), 1)
             else:
-                one = _checked_policy(mdp, f"others, {name!r}", given, count)
+                one = _checked_policy(mdp, f"{argument}, {name!r}", given, count)
             policy = (policy[:, :, None] * one[:, None, :]).reshape(mdp.states, -1)
     wrong = np.argwhere((policy > 0) & ~theirs & theirs.any(axis=1, keepdims=True))
     if len(wrong):
         state, action = wrong[0]
         raise ValueError(
-            f"others, state {state} chooses their joint action {action}, which is not available "
-            "there; give it probability 0"
+            f"{argument}, state {state} chooses their joint action {action}, which is not "
+            "available there; give it probability 0"
         )
     return policy
 

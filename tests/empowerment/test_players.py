@@ -356,3 +356,5 @@ def test_policies_need_the_numbers_of_states():
 def test_nobody_assists_itself():
     with pytest.raises(ValueError, match="helper and helped are both 'a'; name two players"):
         hb.assistance(XOR, "a", "a", 1)
+    with pytest.raises(ValueError, match="acting is 'best'; use 'uniform'"):
+        hb.assistance(XOR, "a", "b", 1, acting="best")

@@ -125,3 +125,20 @@ def test_it_is_refused_where_there_is_no_agent_or_nothing_else(factors, message,
     mdp = with_factors(hb.TabularMDP.deterministic([[0, 1], [0, 1]]), **factors)
     with pytest.raises(ValueError, match=message):
         hb.empowerment(mdp, 1, sensor)
+
+
+@pytest.mark.parametrize("player", ["agent", "agent2"])
+def test_a_players_rest_is_all_but_itself(player):
+    mdp = hb.tabulate(hb.World.parse("E = agent\n####\nA.C.\n..E.\n####"))
+    others = [labels for name, labels in mdp.factors.items() if name != player]
+    together = np.unique(np.stack(others), axis=1, return_inverse=True)[1].ravel()
+    some = {"states": [0, mdp.start, mdp.states - 1], "player": player}
+    for what in ("uniform", "best", "worst"):
+        np.testing.assert_allclose(
+            hb.empowerment(mdp, 2, "rest", **some, others=what),
+            hb.empowerment(mdp, 2, together, **some, others=what),
+            atol=2e-6,
+        )
+    alone = mdp.of_player(player)
+    assert alone.players == {player: 5}
+    np.testing.assert_array_equal(observations(alone, "rest")[0], together)

@@ -137,7 +137,8 @@ def empowerment(
         horizon: h, how many actions, 0 or more.
         sensor: "state" (fully observable empowerment), a factor's name ("object" for object
             empowerment, "object:can" where there are several), "rest" for all factors but "agent",
-            together (empowerment of the surroundings; Dai et al. 2023), int[S] or bool[S] labels,
+            or but the `player`, together (empowerment of the surroundings; Dai et al. 2023),
+            int[S] or bool[S] labels,
             float[S, O] probabilities of observations (also scipy.sparse), or float[A, S, O], where
             the observation depends on the last action a too, and on the state that it led to (the
             next state's, as in a POMDP; no action, no observation). Or several names, as in

@@ -9,7 +9,7 @@ from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.one_step import moves_of
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import TabularMDP
-from habilis.mdp_players import UNIFORM, joint_actions
+from habilis.mdp_players import UNIFORM, joint_actions, table_of_player
 
 
 def assistance(
@@ -68,7 +68,7 @@ def assistance(
     if helper == helped:
         raise ValueError(f"helper and helped are both {helper!r}; name two players")
     joint_actions(mdp, helped)  # says what is wrong with its name
-    alone = mdp.of_player(helper, acting)
+    alone = table_of_player(mdp, helper, acting, "acting")
     now = empowerment(mdp, horizon, sensor, player=helped, others=others, **options)
     after = (moves_of(alone.transitions) @ now).reshape(alone.states, -1)
     return np.where(alone.available, after - now[:, None], np.nan)

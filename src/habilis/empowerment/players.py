@@ -28,7 +28,15 @@ from habilis.empowerment.initial_beliefs import are_beliefs
 from habilis.empowerment.limits import Limits, too_much
 from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.one_step import last_observations, moves_of
-from habilis.empowerment.sensors import Sensor, is_by_action, is_noisy, observations
+from habilis.empowerment.sensors import (
+    REST,
+    Sensor,
+    is_by_action,
+    is_noisy,
+    joint_labels,
+    observations,
+    rest_of,
+)
 from habilis.mdp import TabularMDP
 from habilis.mdp_players import UNIFORM, available_to_others, joint_actions
 from habilis.probabilities import as_array
@@ -134,6 +142,9 @@ def against_others(
     used = chosen_actions(mdp, actions, len(joint))
     if is_by_action(sensor):
         sensor = _of_joint_actions(sensor, joint, player)
+    elif isinstance(sensor, str) and sensor == REST and REST not in mdp.factors:
+        own = [player] if player in mdp.factors else None
+        sensor, _ = joint_labels(mdp, rest_of(mdp, own))
     _check_always(mdp, player, others, joint)
     limits, tolerance = replace(method.limits, otherwise=_OTHERWISE), method.tolerance / scale
     asked, place = np.unique(starts, return_inverse=True)

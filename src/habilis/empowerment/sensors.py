@@ -154,17 +154,20 @@ def factor_of(
     return mdp.factor_named(sensor, argument, [*besides, STATE])
 
 
-def rest_of(mdp: TabularMDP, agent: Sequence[str] = (AGENT,)) -> list[str]:
+def rest_of(mdp: TabularMDP, agent: Sequence[str] | None = None) -> list[str]:
     """The factors of an agent's surroundings: all but its own.
 
     Args:
         mdp: the table.
-        agent: the agent's factors.
+        agent: the agent's factors; by default "agent", or in the table of one player that player,
+            where it is a factor.
 
     Raises:
         ValueError: there is no such factor, or no other.
     """
-    own = {mdp.factor_named(name, "the agent's factor") for name in agent}
+    if agent is None:
+        agent = [name for name in mdp.players if len(mdp.players) == 1 and name in mdp.factors]
+    own = {mdp.factor_named(name, "the agent's factor") for name in agent or [AGENT]}
     rest = [name for name in mdp.factors if name not in own]
     if not rest:
         raise ValueError(
