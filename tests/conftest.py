@@ -39,7 +39,7 @@ def _annotations_are_checked(request: pytest.FixtureRequest) -> Iterator[None]:
 
 _TESTS = Path(__file__).parent
 _SLOW = {*(_TESTS / "slow.txt").read_text("utf-8").splitlines()}
-"""Folders, files, tests, with or without their parameters, that `make test` leaves to `make test-slow`."""
+"""Folders, files and tests, also with their parameters, that `make test` leaves to `test-slow`."""
 _LONG = {*(_TESTS / "long.txt").read_text("utf-8").splitlines()}
 """Of these, the tests left to `make test-long`: further variants of what the others prove."""
 

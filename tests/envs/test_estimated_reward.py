@@ -17,7 +17,7 @@ METHOD = hb.Gaussian(power=1.0, noise=0.01)
 class Cart(gymnasium.Env):
     """A cart that is pushed: position and velocity, as in `SYSTEM`."""
 
-    observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (2,), np.float64)
+    observation_space = gymnasium.spaces.Box(-100.0, 100.0, (2,), np.float64)
     action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float64)
 
     def reset(self, *, seed=None, options=None):
