@@ -36,6 +36,31 @@ def test_a_kind_has_the_values_of_its_function(capsys, tmp_path, kind, expected)
     assert found["gap"] <= 1e-6
 
 
+@pytest.mark.parametrize("verb", ["empowerment", "landscape"])
+def test_effective_empowerment_needs_no_horizon(capsys, tmp_path, verb):
+    path = tmp_path / "two.txt"
+    path.write_text("A.C\n..G\n")
+    kind = verb, path, "--kind", "effective", "--discount", 0.5, "--sensor", "object"
+    assert said(capsys, *kind) == said(capsys, *kind, "--horizon", 2)
+
+
+@pytest.mark.parametrize("verb", ["empowerment", "landscape"])
+def test_another_kind_without_a_horizon_is_refused(capsys, verb):
+    assert main([verb, "yard", "--kind", "closed-loop"]) == 2
+    message = "habilis: --horizon is missing; give a number of actions, as --horizon 3"
+    assert message in capsys.readouterr().err
+
+
+def test_goal_directed_empowerment_of_a_puzzle_sees_a_goal_beyond_the_horizon(capsys, tmp_path):
+    path = tmp_path / "far.xsb"
+    path.write_text("#########\n#@$    .#\n#########\n")
+    words = "empowerment", path, "--sensor", "object", "--kind", "goal-directed", "--horizon", 1
+    near = said(capsys, *words, "--slack", 2, "--start")
+    mdp = hb.explore(hb.load_sokoban(path))
+    expected = hb.goal_directed_empowerment(mdp, 1, None, 2, "object", [mdp.start])
+    assert near["mean"] == expected[0]
+
+
 def test_a_player_has_a_kind_against_a_policy_of_the_others(capsys, tmp_path):
     path = tmp_path / "two.txt"
     path.write_text(TWO)

@@ -5,7 +5,7 @@ from dataclasses import fields
 from typing import Any
 
 from habilis.cli.output import shows_progress
-from habilis.empowerment.kinds import KINDS, OPEN_LOOP
+from habilis.empowerment.kinds import EFFECTIVE, KINDS, OPEN_LOOP
 from habilis.empowerment.methods import Exact, Sampled
 from habilis.worlds.reach import MAX_STATES
 from habilis.worlds.things import Where
@@ -30,12 +30,14 @@ def add_tool(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tool", metavar="TOOL", help=text)
 
 
-def add_measure(parser: argparse.ArgumentParser) -> None:
+def add_measure(parser: argparse.ArgumentParser, needs_horizon: bool = True) -> None:
+    """The sensor, horizon and actions; where there are kinds, `horizon_of` checks the horizon."""
     sensor = "state, agent, tool, object, one of several as object:can, rest for all but the "
     sensor += "agent, or a sum or product of values as 'object:can + object:ball', "
     sensor += "'object:can * object:ball' (default state)"
     parser.add_argument("--sensor", default="state", help=sensor)
-    parser.add_argument("--horizon", type=int, required=True, metavar="H", help="number of actions")
+    text = "number of actions"
+    parser.add_argument("--horizon", type=int, required=needs_horizon, metavar="H", help=text)
     parser.add_argument("--actions", default="all", help="all, moves, tool, or indices as 0,1,2")
     add_slip(parser)
 
@@ -43,10 +45,21 @@ def add_measure(parser: argparse.ArgumentParser) -> None:
 def add_kind(parser: argparse.ArgumentParser) -> None:
     text = f"kind of empowerment: {', '.join(KINDS)} (default {OPEN_LOOP})"
     parser.add_argument("--kind", choices=KINDS, default=OPEN_LOOP, help=text, metavar="KIND")
-    text = "discount of effective empowerment, which ignores the horizon"
+    text = "discount of effective empowerment, which has no horizon"
     parser.add_argument("--discount", type=float, metavar="G", help=text)
     text = "steps that goal-directed empowerment may add to a shortest way (default 0)"
     parser.add_argument("--slack", type=int, metavar="N", help=text)
+
+
+def horizon_of(args: Args) -> int:
+    """The horizon; any for a kind without one.
+
+    Raises:
+        ValueError: it is missing.
+    """
+    if args.horizon is None and args.kind != EFFECTIVE:
+        raise ValueError("--horizon is missing; give a number of actions, as --horizon 3")
+    return 1 if args.horizon is None else args.horizon
 
 
 def add_player(parser: argparse.ArgumentParser) -> None:

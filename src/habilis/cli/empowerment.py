@@ -18,12 +18,13 @@ from habilis.cli.arguments import (
     add_options,
     add_player,
     add_world,
+    horizon_of,
     max_states,
     measure_options,
 )
 from habilis.cli.output import lower_bounds, print_json, print_written, shows_progress
 from habilis.cli.puzzles import puzzle_of
-from habilis.empowerment.kinds import OPEN_LOOP, checked_kind, named, of_kind
+from habilis.empowerment.kinds import OPEN_LOOP, WHOLE, checked_kind, named, of_kind
 from habilis.extras import import_from
 from habilis.files import TABLES
 from habilis.models.limits import TooManyStatesError
@@ -36,7 +37,7 @@ COMMON: tuple[str, ...] = ("--horizon", "--sensor", "--out")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_world(parser, or_environment=True)
-    add_measure(parser)
+    add_measure(parser, needs_horizon=False)
     add_kind(parser)
     add_options(parser)
     add_most(parser)
@@ -54,9 +55,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Args) -> int:
     from habilis.analysis.data_frames import save_table, to_dataframe
 
-    mdp = _table(args)
+    horizon = horizon_of(args)
+    mdp = _table(args, horizon)
     states = [mdp.start] if args.start else None
-    values, gap = _values(args, mdp, states)
+    values, gap = _values(args, mdp, horizon, states)
     if args.out is not None:
         with_gap = gap.any() and args.out.suffix.lower() != ".npy"  # one column of values
         columns = {args.unit: values} | ({"gap": gap} if with_gap else {})
@@ -78,7 +80,7 @@ def run(args: Args) -> int:
             kind |= {"player": args.player, "others": args.others or "uniform"}
         return print_json(summary | kind | {"out": args.out and str(args.out)})
     print(
-        f"{lower_bounds(args)}{named(args.kind, args.horizon, args.discount)}{_of_whom(args)} "
+        f"{lower_bounds(args)}{named(args.kind, horizon, args.discount)}{_of_whom(args)} "
         f"through the sensor {args.sensor!r}, in {args.unit}"
     )
     for name, value in summary.items():
@@ -90,10 +92,10 @@ def run(args: Args) -> int:
 
 
 def _values(
-    args: Args, mdp: habilis.TabularMDP, states: list[int] | None
+    args: Args, mdp: habilis.TabularMDP, horizon: int, states: list[int] | None
 ) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
     """Values and gaps."""
-    asked = args.horizon, args.sensor, action_indices(args.actions), states
+    asked = horizon, args.sensor, action_indices(args.actions), states
     options = measure_options(args)
     checked_kind(args.kind, args.discount, args.slack)
     if args.kind == OPEN_LOOP:
@@ -118,11 +120,11 @@ def _of_whom(args: Args) -> str:
     return f" of {args.player!r}, the others {others.get(args.others, 'acting uniformly')},"
 
 
-def _table(args: Args) -> habilis.TabularMDP:
+def _table(args: Args, horizon: int) -> habilis.TabularMDP:
     """The table of a world, a puzzle, a file or, as `gym:ID`, of a Gymnasium environment."""
     puzzle = puzzle_of(args, args.world, ("tool", "ignore"))
     if puzzle is not None:
-        return _explored(args, puzzle).slippery(args.slip)
+        return _explored(args, puzzle, horizon).slippery(args.slip)
     if table_files.names_table(args.world):
         for flag, given in (("--tool", args.tool), ("--ignore", args.ignore)):
             if given:
@@ -142,12 +144,12 @@ def _table(args: Args) -> habilis.TabularMDP:
     return mdp.slippery(args.slip) if args.slip else mdp
 
 
-def _explored(args: Args, puzzle: PushWorld) -> habilis.TabularMDP:
+def _explored(args: Args, puzzle: PushWorld, horizon: int) -> habilis.TabularMDP:
     """What can be reached in a puzzle, or within the horizon."""
-    horizon = max(args.horizon, 0) if args.start else None
+    steps = max(horizon, 0) if args.start and args.kind not in WHOLE else None
     most, show = max_states(args), shows_progress(args)
     try:
-        return habilis.explore(puzzle, None, horizon, most, show_progress=show)
+        return habilis.explore(puzzle, None, steps, most, show_progress=show)
     except TooManyStatesError:
         if args.start:
             raise

@@ -16,6 +16,7 @@ from habilis.cli.arguments import (
     add_player,
     add_world,
     cells_of,
+    horizon_of,
     measure_options,
 )
 from habilis.cli.output import print_json, print_written, save, shows_progress
@@ -31,7 +32,7 @@ COMMON: tuple[str, ...] = ("--horizon", "--sensor", "--out")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_world(parser)
-    add_measure(parser)
+    add_measure(parser, needs_horizon=False)
     add_options(parser)
     add_places(parser)
     add_kind(parser)
@@ -44,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Args) -> int:
     from habilis.analysis.landscape import landscape as measure
 
+    horizon = horizon_of(args)
     puzzle, where = puzzle_of(args, args.world, ("tool", "tool_at")), {}
     if puzzle is not None:
         world = placed(puzzle, None, args.object_at)
@@ -53,7 +55,7 @@ def run(args: Args) -> int:
         where["object"] = cells_of(world, "object", args.object_at)
     found = measure(
         world,
-        args.horizon,
+        horizon,
         args.sensor,
         action_indices(args.actions),
         kind=args.kind,
