@@ -262,6 +262,15 @@ def test_assistance_is_the_mean_of_the_change_over_all_next_states(seed: int, no
         assert found[state, action] == pytest.approx(after @ value - value[state], abs=1e-12)
 
 
+@pytest.mark.parametrize("others", ["uniform", "best"])
+def test_assistance_in_some_states_is_that_of_the_whole_table(others: str):
+    mdp = hb.tabulate(hb.World.parse("E = agent\n##.##\nE..A.\n")).slippery(0.1)
+    whole = hb.assistance(mdp, "agent", "agent2", 2, "agent2", others=others)
+    some = hb.assistance(mdp, "agent", "agent2", 2, "agent2", [7, 3, 7], others=others)
+    assert whole.shape == (mdp.states, 5)
+    np.testing.assert_allclose(some, whole[[7, 3, 7]], atol=1e-12)
+
+
 def test_an_action_that_the_helper_lacks_has_no_assistance():
     mdp = hb.TabularMDP.deterministic([[-1, -1, 0, 0], [0, 1, 0, 1]], players={"a": 2, "b": 2})
     found = hb.assistance(mdp, "a", "b", 1)

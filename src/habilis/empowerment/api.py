@@ -192,7 +192,7 @@ def empowerment(
         array([0.531, 0.531])
     """
     horizon = whole_number("horizon", horizon)
-    if is_estimator(method):
+    if is_estimator(method) and not isinstance(method, type):
         foreign = (actions, cost, budget, player, others, return_gap, sensor_at != "end")
         return _estimated(model, horizon, sensor, states, method, foreign, unit, show_progress)
     scale, method = per_bit(unit), cast("Method", checked_method(method))

@@ -8,11 +8,14 @@ from numpy.typing import ArrayLike
 
 from habilis.checks import is_number
 from habilis.mdp import TabularMDP
+from habilis.models.protocol import action_names
 from habilis.probabilities import as_array
+from habilis.worlds.world import World
 
 Unit = Literal["bits", "nats"]
 
 _LARGEST = 2**31 - 1
+_OF_BELIEFS = " (hb.empowerment alone takes beliefs, as float[n, S], one a row)"
 
 
 def whole_number(name: str, value: int) -> int:
@@ -44,6 +47,24 @@ def per_bit(unit: Unit) -> float:
     if unit not in sizes:
         raise ValueError(f"unit is {unit!r}; use 'bits' or 'nats'")
     return sizes[unit]
+
+
+def check_table(mdp: Any) -> None:
+    """Refuses what is not a table; plain empowerment alone makes one of a model.
+
+    Raises:
+        ValueError: says how to make one, if there is a way.
+    """
+    if isinstance(mdp, TabularMDP):
+        return
+    if isinstance(mdp, World):
+        fix = "give hb.tabulate(world)"
+    elif hasattr(mdp, "actions"):
+        action_names(mdp)  # of a simulator there is no table
+        fix = "give hb.explore(model)"
+    else:
+        fix = "give a hb.TabularMDP"
+    raise ValueError(f"{type(mdp).__name__} is no table; {fix}")
 
 
 def chosen_actions(
@@ -79,9 +100,10 @@ def chosen_states(mdp: TabularMDP, states: Any, name: str = "states") -> Int64[n
     if chosen.size == 0:
         return np.empty(0, np.int64)
     if chosen.ndim != 1 or not np.issubdtype(chosen.dtype, np.integer):
+        belief = chosen.dtype.kind == "f" and chosen.shape[-1] == mdp.states
         raise ValueError(
             f"{name} has shape {chosen.shape} and type {chosen.dtype}; "
-            "give state indices, or one bool a state"
+            f"give state indices, or one bool a state{_OF_BELIEFS if belief else ''}"
         )
     outside = chosen[(chosen < 0) | (chosen >= mdp.states)]
     if len(outside):

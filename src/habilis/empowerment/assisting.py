@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.empowerment.api import Options, empowerment
+from habilis.empowerment.arguments import check_table, chosen_states
 from habilis.empowerment.one_step import moves_of
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import TabularMDP
@@ -18,11 +19,12 @@ def assistance(
     helped: str,
     horizon: int,
     sensor: Sensor = "state",
+    states: Any = None,
     *,
     acting: Any = UNIFORM,
     others: Any = UNIFORM,
     **options: Unpack[Options],
-) -> Float64[np.ndarray, "S P"]:
+) -> Float64[np.ndarray, "n P"]:
     """The expected change of one player's empowerment that an action of another causes, in bits.
 
     With E the empowerment of the helped player over the next h actions,
@@ -40,6 +42,8 @@ def assistance(
         helped: whose empowerment it is.
         horizon: h, of that empowerment.
         sensor: of that empowerment, as in `empowerment`.
+        states: the n states asked about, as indices or as bool[S]; by default all. Few are quick:
+            empowerment is then computed of these and their successors alone.
         acting: the policy of all but the helper in the first step, as `others` in
             `TabularMDP.of_player`.
         others: what all but the helped player do in the h steps that are counted, as in
@@ -47,7 +51,7 @@ def assistance(
         **options: as in `empowerment`.
 
     Returns:
-        float64[S, P], a column for each of the helper's actions; NaN where it is not available.
+        float64[n, P], a column for each of the helper's actions; NaN where it is not available.
 
     Raises:
         ValueError: helper and helped are one, or as in `empowerment` and `TabularMDP.of_player`.
@@ -67,8 +71,15 @@ def assistance(
     """
     if helper == helped:
         raise ValueError(f"helper and helped are both {helper!r}; name two players")
+    check_table(mdp)
     joint_actions(mdp, helped)  # says what is wrong with its name
     alone = table_of_player(mdp, helper, acting, "acting")
-    now = empowerment(mdp, horizon, sensor, player=helped, others=others, **options)
-    after = (moves_of(alone.transitions) @ now).reshape(alone.states, -1)
-    return np.where(alone.available, after - now[:, None], np.nan)
+    starts = chosen_states(mdp, states)
+    count = alone.action_count
+    moves = moves_of(alone.transitions)[(starts[:, None] * count + np.arange(count)).ravel()]
+    needed = np.union1d(starts, moves.indices)
+    bits = np.zeros(mdp.states)
+    asked: Any = {"player": helped, "others": others, **options}
+    bits[needed] = empowerment(mdp, horizon, sensor, states=needed, **asked)
+    after = (moves @ bits).reshape(len(starts), count)
+    return np.where(alone.available[starts], after - bits[starts, None], np.nan)

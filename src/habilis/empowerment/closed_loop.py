@@ -31,6 +31,7 @@ from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.arguments import (
     Unit,
     at_least_one,
+    check_table,
     chosen_actions,
     chosen_states,
     per_bit,
@@ -188,6 +189,7 @@ def closed_loop_empowerment(
         >>> empowerment(ring.slippery(0.2), 2, states=[0]).round(3)
         array([0.804])
     """
+    check_table(mdp)
     horizon, scale = whole_number("horizon", horizon), per_bit(unit)
     tolerance = positive("tolerance", tolerance) / scale
     at_least_one("max_boxes", max_boxes)

@@ -23,7 +23,14 @@ from numpy.typing import ArrayLike
 from habilis.channels.bounds import information_error
 from habilis.channels.capacity import warn_of_gap
 from habilis.checks import is_number
-from habilis.empowerment.arguments import Unit, chosen_states, per_bit, positive, whole_number
+from habilis.empowerment.arguments import (
+    Unit,
+    check_table,
+    chosen_states,
+    per_bit,
+    positive,
+    whole_number,
+)
 from habilis.empowerment.combined import check_single
 from habilis.empowerment.limits import Progress
 from habilis.empowerment.one_step import last_observations, moves_of
@@ -156,6 +163,7 @@ def effective_empowerment(
         >>> effective_empowerment(ring, "uniform", discount=0.9, states=[0]).round(3)
         array([0.071])
     """
+    check_table(mdp)
     if not is_number(discount) or not 0 <= discount < 1:
         raise ValueError(f"discount is {discount!r}; give a number from 0 up to but not 1")
     first_step, scale = whole_number("first_step", first_step), per_bit(unit)

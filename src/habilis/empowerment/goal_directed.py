@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float64, Int64, Integer
 from numpy.typing import ArrayLike
 
 from habilis.empowerment.api import Options, empowerment
-from habilis.empowerment.arguments import chosen_states, whole_number
+from habilis.empowerment.arguments import check_table, chosen_states, whole_number
 from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
@@ -68,10 +68,14 @@ def goal_directed_empowerment(
         >>> goal_directed_empowerment(ring, horizon=2, goal=[0], slack=2).round(2)
         array([0.  , 1.  , 1.58, 1.58, 1.58, 1.  ])
     """
+    check_table(mdp)
     horizon, slack = whole_number("horizon", horizon), whole_number("slack", slack)
     if mdp.is_stochastic or is_noisy(sensor):
         what = "table is stochastic" if mdp.is_stochastic else "sensor is noisy"
-        raise ValueError(f"the {what}; goal-directed empowerment is defined without noise only")
+        raise ValueError(
+            f"the {what}; goal-directed empowerment is defined without noise only: "
+            "leave out the noise, or use another kind"
+        )
     goals, starts = goal_states(mdp, goal), chosen_states(mdp, states)
     labels, _ = observations(mdp, sensor)
     next_state = mdp.next_state.copy()

@@ -88,6 +88,7 @@ def explored(
             f"{type(model).__name__} is not a model; give it actions and step(state, action), or "
             "step_many(states, actions)"
         )
+    action_names(model)  # a simulator is refused whatever its states
     if states is None:
         if (initial := getattr(model, "initial", None)) is None:
             raise ValueError("the model has no initial state; give states=[...]")

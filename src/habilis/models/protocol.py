@@ -102,7 +102,7 @@ def action_names(model: Model | VectorModel) -> tuple[tuple[str, ...], int]:
     """The names of a model's actions, none if it has none, and how many there are.
 
     Raises:
-        ValueError: they are no names and no number.
+        ValueError: they are no names and no number, as those of a simulator.
     """
     given = model.actions
     if isinstance(given, int | np.integer) and not isinstance(given, bool) and given > 0:
@@ -110,4 +110,15 @@ def action_names(model: Model | VectorModel) -> tuple[tuple[str, ...], int]:
     names = tuple(given) if isinstance(given, Sequence) and not isinstance(given, str) else ()
     if names and all(isinstance(name, str) for name in names) and len({*names}) == len(names):
         return names, len(names)
+    if is_simulator(model):
+        raise ValueError(
+            f"{type(model).__name__} is a simulator, whose actions are vectors; name an estimator, "
+            "as hb.empowerment(..., method=hb.Counting(0.1))"
+        )
     raise ValueError(f"the model's actions are {given!r}; give different names, or a number")
+
+
+def is_simulator(model: Any) -> bool:
+    """Whether the actions of a model are vectors, as those of a `habilis.Simulator`."""
+    given = getattr(model, "actions", None)
+    return getattr(given, "ndim", 0) == 2 or (hasattr(given, "low") and hasattr(given, "high"))
