@@ -19,13 +19,15 @@ export const KIND_NAMES: Record<Kind, string> = {
 export function sentenceOn({ kind, discount, slack }: KindSettings): string {
   switch (kind) {
     case "open-loop":
-      return "What a plan can bring about that is made in advance.";
+      return "How many outcomes the agent can choose from by a plan made in advance.";
     case "closed-loop":
-      return "What the agent can bring about if it looks after every step.";
+      return "How many outcomes the agent can choose from if it observes the state after every step.";
     case "effective":
-      return `What one action changes about ${steps(1 / (1 - discount))} later, if the agent acts at random.`;
+      return `How much one action determines the outcome, about ${steps(1 / (1 - discount))} ahead, if the agent then acts at random.`;
     case "goal-directed":
-      return `What it can bring about on ways to the goal, ${slack ? `up to ${steps(slack)} longer than` : "all of them"} the shortest.`;
+      return slack
+        ? `How many outcomes lie on paths to the goal that are at most ${steps(slack)} longer than the shortest.`
+        : "How many outcomes lie on the shortest paths to the goal.";
   }
 }
 
