@@ -25,10 +25,12 @@ from habilis.empowerment import empowerment as empowerment
 from habilis.empowerment import goal_directed_empowerment as goal_directed_empowerment
 from habilis.empowerment import persistence as persistence
 from habilis.envs import EmpowermentReward as EmpowermentReward
+from habilis.estimators import Contrastive as Contrastive
 from habilis.estimators import Counting as Counting
 from habilis.estimators import Gaussian as Gaussian
 from habilis.estimators import MonteCarlo as MonteCarlo
 from habilis.estimators import Simulator as Simulator
+from habilis.estimators import Variational as Variational
 from habilis.estimators import evaluate as evaluate
 from habilis.estimators import plug_in_interval as plug_in_interval
 from habilis.estimators import suite as suite

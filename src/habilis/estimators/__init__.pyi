@@ -8,6 +8,8 @@ from habilis.estimators.evaluation.contestants import contestants as contestants
 from habilis.estimators.evaluation.evaluate import evaluate as evaluate
 from habilis.estimators.gaussian import Gaussian as Gaussian
 from habilis.estimators.gaussian import GaussianChannels as GaussianChannels
+from habilis.estimators.learned.contrastive import Contrastive as Contrastive
+from habilis.estimators.learned.variational import Variational as Variational
 from habilis.estimators.monte_carlo import MonteCarlo as MonteCarlo
 from habilis.estimators.plug_in import PlugInInterval as PlugInInterval
 from habilis.estimators.plug_in import plug_in_interval as plug_in_interval

@@ -9,6 +9,8 @@ from habilis.estimators.actions import ActionBox, checked_actions
 from habilis.estimators.counting import Counting
 from habilis.estimators.evaluation.case import Case
 from habilis.estimators.gaussian import Gaussian
+from habilis.estimators.learned.contrastive import Contrastive
+from habilis.estimators.learned.variational import Variational
 from habilis.estimators.monte_carlo import MonteCarlo
 from habilis.estimators.protocol import Estimator, is_finite
 from habilis.estimators.samplers import FirstAction, RandomSequences, VarianceProxy
@@ -30,7 +32,7 @@ def contestants(quick: bool = False) -> dict[str, Callable[[Case], Estimator]]:
         >>> contestants()["counting"](*suite(["maze"]))
         Counting(resolution=1.0, sequences=1000)
     """
-    sequences, samples = (100, 30) if quick else (300, 300)
+    sequences, samples, rounds = (100, 30, 5) if quick else (300, 300, 50)
 
     def monte_carlo(case: Case) -> Estimator:
         if _cell(case) == 1:
@@ -41,6 +43,10 @@ def contestants(quick: bool = False) -> dict[str, Callable[[Case], Estimator]]:
         "counting": lambda case: Counting(_cell(case), 1000),
         "monte-carlo": monte_carlo,
         "gaussian": lambda case: Gaussian(_power(case), noise=0.0),
+        "variational": lambda case: Variational(
+            rounds=rounds, samples=400, power=case.power, patience=rounds
+        ),
+        "contrastive": lambda case: Contrastive(rounds=rounds, samples=256, patience=rounds),
         "variance-proxy": lambda case: VarianceProxy(1000),
         "random-sequences": lambda case: RandomSequences(1000, _cell(case)),
         "first-action": lambda case: FirstAction(10, _cell(case)),
