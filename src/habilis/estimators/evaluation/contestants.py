@@ -46,7 +46,7 @@ def contestants(quick: bool = False) -> dict[str, Callable[[Case], Estimator]]:
         "variational": lambda case: Variational(
             rounds=rounds, samples=400, power=case.power, patience=rounds
         ),
-        "contrastive": lambda case: Contrastive(rounds=rounds, samples=256, patience=rounds),
+        "contrastive": lambda case: Contrastive(rounds=2 * rounds, samples=256, patience=rounds),
         "variance-proxy": lambda case: VarianceProxy(1000),
         "random-sequences": lambda case: RandomSequences(1000, _cell(case)),
         "first-action": lambda case: FirstAction(10, _cell(case)),

@@ -82,7 +82,7 @@ class Contrastive:
     batch: int = 256
     width: int = 64
     features: int = 32
-    learning_rate: float = 3e-3
+    learning_rate: float = 1e-2
     patience: int = 15
     samples: int = 512
     folder: str | Path | None = field(default=None, repr=False)

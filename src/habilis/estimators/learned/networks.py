@@ -16,7 +16,8 @@ Inputs = Int[Array, "n labels"] | Float[Array, "n numbers"]
 Given = tuple[Inputs, ...]
 
 _LN2PI = math.log(2 * math.pi)
-_NARROWEST, _WIDEST = -7.0, 4.0  # logarithms of standard deviations
+_NARROWEST, _WIDEST = -4.0, 3.0  # logarithms of standard deviations
+_SLANT = 4.0  # of other entries of a factor: single precision has to invert it
 
 
 class Encoder(eqx.Module):
@@ -150,7 +151,9 @@ class Normal(eqx.Module):
         rows, columns = jnp.tril_indices(self.size, -1)
         wide = jnp.clip(entries[:, : self.size], _NARROWEST, _WIDEST)
         factor = jnp.zeros((len(found), self.size, self.size))
-        factor = factor.at[:, rows, columns].set(entries[:, self.size :])
+        factor = factor.at[:, rows, columns].set(
+            _SLANT * jnp.tanh(entries[:, self.size :] / _SLANT)
+        )
         factor = factor + jnp.exp(wide)[:, :, None] * jnp.eye(self.size)[None]
         if self.power is not None:
             spent = (mean**2).sum(axis=1) + (factor**2).sum(axis=(1, 2))

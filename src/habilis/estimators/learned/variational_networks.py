@@ -13,6 +13,10 @@ from jaxtyping import Array, Float, PRNGKeyArray
 from habilis.estimators.learned.coding import Coding
 from habilis.estimators.learned.networks import Normal, Perceptron, Symbols
 
+_NEAR = 0.2  # by how much a round changes the probability of a sequence (Schulman et al. 2017)
+_SURPLUS = 3.0  # nats: one sequence that the decoder has no idea of does not spoil the source
+_OUTLIER = 20.0  # nats
+
 State = tuple[Any, Any]
 """The networks, and the state of the optimiser."""
 
@@ -90,10 +94,14 @@ def _loss(networks: Networks, states: Any, shown: Any, coded: Any, before: Any) 
     said = networks.source.log_prob((states,), coded)
     expected = networks.baseline((states,))[:, 0]
     gained = jax.lax.stop_gradient(guessed - said)
-    advantage = gained - jax.lax.stop_gradient(expected)
-    # The sequences were drawn before this round's first update.
-    ratio = jnp.exp(jnp.clip(said - before, -2.0, 2.0))
-    return (-guessed - ratio * advantage + 0.5 * (expected - gained) ** 2).mean()
+    surplus = gained - jax.lax.stop_gradient(expected)
+    surplus = jnp.clip(surplus, -_SURPLUS, _SURPLUS)
+    # The sequences were drawn before this round's first update: no step goes far from there.
+    ratio = jnp.exp(jnp.clip(said - before, -5.0, 5.0))
+    near = jnp.clip(ratio, 1 - _NEAR, 1 + _NEAR)
+    drawn_to = jnp.minimum(ratio * surplus, near * surplus)
+    off = jnp.clip(expected - gained, -_OUTLIER, _OUTLIER)
+    return (-guessed - drawn_to + off**2 / 2).mean()
 
 
 @cache
