@@ -35,6 +35,7 @@ Sample = Callable[[np.ndarray, np.random.Generator], tuple[np.ndarray, np.ndarra
 """From states, the first actions as inputs of the networks, and what the sensor shows later."""
 
 _NATS = math.log(2)
+_OTHERS = 2048  # outcomes that stand for the rest of a batch
 _REST = 1e-3  # of the distribution of lags that is left out
 
 
@@ -123,7 +124,7 @@ class Contrastive:
         """
         jax = import_from("jax", "robots")
         networks = import_from("habilis.estimators.learned.contrastive_networks", "robots")
-        optimiser = import_from("habilis.estimators.learned.variational_networks", "robots")
+        layers = import_from("habilis.estimators.learned.networks", "robots")
         training = import_from("habilis.estimators.learned.training", "robots")
         horizon, seed = at_least_one("horizon", horizon), whole_number("seed", seed)
         seen = in_double(checked_simulator(simulator), reading(simulator, sensor))
@@ -134,9 +135,10 @@ class Contrastive:
         starts = training.random_starts(simulator, count, generator)
         actions, some = sample(starts, generator)
         of_state = state_features(simulator, starts)
-        of_outcome = outcome_features(simulator, seen, sensor, of_state, starts, some)
-        others = of_outcome.of((starts, some))[: self.batch - 1]
-        number = len(checked_actions(simulator.actions)) if actions.dtype == np.int32 else 0
+        of_outcome = outcome_features(simulator, seen, sensor, of_state, starts, some, False)
+        others = of_outcome.of((starts, some))[:_OTHERS]
+        known: Any = checked_actions(simulator.actions)
+        number = 0 if isinstance(known, ActionBox) else len(known)
         sizes = of_state.size, number or actions.shape[1], of_outcome.size
         first = networks.Encoders(sizes, self.width, self.features, jax.random.key(seed))
         improve = networks.improve_with(self.learning_rate, self.batch)
@@ -149,10 +151,10 @@ class Contrastive:
             now, bound = improve(now, of_state.of(starts), actions, shown)
             return now, float(bound) / _NATS
 
-        memory = optimiser.optimiser(self.learning_rate).init(optimiser.arrays(first))
+        memory = layers.optimiser(self.learning_rate).init(layers.arrays(first))
         rounds = self.rounds, self.patience, path, self.show_progress
         found = training.train((first, memory), one_round, *rounds)
-        told = of_state, of_outcome, others, sample, self.samples, seed
+        told = of_state, of_outcome, others, sample, self.samples, self.batch, seed
         return FittedContrastive(found.best[0], *told, found.bounds)
 
 
@@ -166,7 +168,8 @@ class FittedContrastive:
         others: outcomes from random states, as inputs, that an outcome is compared with.
         sample: rolls out.
         samples: of each state.
-        seed: of these.
+        batch: that each is compared with.
+        seed: of the samples.
         bounds: float64[rounds], the sum of both InfoNCE bounds as it was trained, in bits.
         kind: "approximation".
         target: "effective".
@@ -178,6 +181,7 @@ class FittedContrastive:
     others: Any
     sample: Sample
     samples: int
+    batch: int
     seed: int
     bounds: Float64[np.ndarray, "rounds"]
     kind: Kind = "approximation"
@@ -199,7 +203,7 @@ class FittedContrastive:
             starts = np.repeat(state[None], self.samples, axis=0)
             actions, later = self.sample(starts, generator)
             shown = self.of_outcome.of((starts, later))
-            given = self.of_state.of(starts), actions, shown, self.others
+            given = self.of_state.of(starts), actions, shown, self.others, self.batch
             found.append(float(np.asarray(networks.gains(self.encoders, *given)).mean()) / _NATS)
         return np.array(found, np.float64)
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import equinox as eqx
@@ -10,8 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from habilis.estimators.learned.networks import Perceptron
-from habilis.estimators.learned.variational_networks import optimiser
+from habilis.estimators.learned.networks import Perceptron, optimiser
 
 State = tuple[Any, Any]
 """The encoders, and the state of the optimiser."""
@@ -80,21 +79,23 @@ def improve_with(rate: float, batch: int) -> Callable[..., tuple[State, Array]]:
     return improve
 
 
-@jax.jit
+@partial(jax.jit, static_argnames="batch")
 def gains(
-    encoders: Encoders, states: Any, actions: Any, shown: Any, others: Any
+    encoders: Encoders, states: Any, actions: Any, shown: Any, others: Any, batch: int
 ) -> Float[Array, "n"]:
     """What the action tells of the outcome, for each sample, in nats.
 
-    The log ratio of the outcome's density given state and action to that given the state: both are
-    scores against the mean over the outcome itself and the others, so that the first is at most
-    the logarithm of how many these are.
+    The log ratio of the outcome's density given state and action to that given the state alone.
+    Each is a score against the mean score of a batch, the outcome's own and those of the others in
+    proportion, so that it is at most the logarithm of the batch.
     """
-    own = jnp.diagonal(_scores(encoders, states, actions, shown)[0])
-    own_alone = jnp.diagonal(_scores(encoders, states, actions, shown)[1])
-    pair, alone = _scores(encoders, states, actions, others)
+    own = [jnp.diagonal(one) for one in _scores(encoders, states, actions, shown)]
+    rest = _scores(encoders, states, actions, others)
+    share = math.log((batch - 1) / others.shape[0])
     known = [
-        mine - jax.scipy.special.logsumexp(jnp.concatenate([mine[:, None], rest], axis=1), axis=1)
-        for mine, rest in ((own, pair), (own_alone, alone))
+        mine
+        - jnp.logaddexp(mine, share + jax.scipy.special.logsumexp(some, axis=1))
+        + math.log(batch)
+        for mine, some in zip(own, rest, strict=True)
     ]
     return known[0] - known[1]

@@ -58,6 +58,7 @@ def outcome_features(
     of_state: Features,
     states: Float[np.ndarray, "n d"],
     outcomes: Float[np.ndarray, "n p"],
+    with_change: bool = True,
 ) -> Features:
     """The inputs that stand for what the sensor shows in the end.
 
@@ -68,9 +69,10 @@ def outcome_features(
         of_state: what `state_features` gave.
         states: some starts.
         outcomes: of these, by which numbers are scaled.
+        with_change: whether numbers have their change beside them, which tells of the start too.
 
     Returns:
-        Of pairs (start, outcome): labels where there are few; otherwise the outcome's numbers and
+        Of pairs (start, outcome): labels where there are few; otherwise the outcome's numbers, and
         by how much they have changed, scaled.
     """
     mdp = getattr(simulator, "mdp", None)
@@ -88,8 +90,10 @@ def outcome_features(
                 return (np.stack(ranks, axis=1) + starts[:-1]).astype(np.int32)
 
             return Features(int(starts[-1]), labels)
-    before = checked_reading(shown(states), len(states))
-    absolute, change = _scaled(outcomes), _scaled(outcomes - before)
+    absolute = _scaled(outcomes)
+    if not with_change:
+        return Features(absolute.size, lambda pair: absolute.of(pair[1]))
+    change = _scaled(outcomes - checked_reading(shown(states), len(states)))
 
     def numbers(pair: Any) -> Rows:
         begun = checked_reading(shown(pair[0]), len(pair[0]))

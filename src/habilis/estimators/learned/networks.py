@@ -5,14 +5,16 @@ Everything is of a batch at once: the first axis is that of samples.
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import optax
 from jaxtyping import Array, Float, Int, PRNGKeyArray
 
-Inputs = Int[Array, "n labels"] | Float[Array, "n numbers"]
+Inputs = Int[Any, "n labels"] | Float[Any, "n numbers"]
 Given = tuple[Inputs, ...]
 
 _LN2PI = math.log(2 * math.pi)
@@ -35,7 +37,7 @@ class Encoder(eqx.Module):
         self.bias = jnp.zeros(width)
 
     def __call__(self, given: Given) -> Float[Array, "n width"]:
-        total = self.bias
+        total = self.bias[None]
         for weights, inputs in zip(self.weights, given, strict=True):
             labels = jnp.issubdtype(inputs.dtype, jnp.integer)
             total = total + (weights[inputs].sum(axis=1) if labels else inputs @ weights)
@@ -63,7 +65,7 @@ class Perceptron(eqx.Module):
 
     def __call__(self, given: Given) -> Float[Array, "n outputs"]:
         encoded = self.encoder(given)
-        inner = jax.nn.relu(jax.nn.relu(encoded) @ self.hidden + self.bias)
+        inner = jax.nn.relu(jax.nn.relu(encoded) @ self.hidden + self.bias[None])
         return inner @ self.last + encoded @ self.past
 
 
@@ -96,17 +98,17 @@ class Symbols(eqx.Module):
         self.last = jnp.zeros((width, symbols))
 
     def _logits(
-        self, encoded: Float[Array, "n width"], x: Int[Array, "n length"]
+        self, encoded: Float[Array, "n width"], x: Int[Any, "n length"]
     ) -> Float[Array, "n length symbols"]:
         """Of each symbol given those before it; later ones have no part in it."""
         inner = encoded[:, None] + self.positions[None, : x.shape[1]]
         if x.shape[1] > 1:
             each = jnp.stack([self.earlier[t][x[:, t]] for t in range(x.shape[1] - 1)], axis=1)
             inner = inner.at[:, 1:].add(jnp.cumsum(each, axis=1))
-        inner = jax.nn.relu(jax.nn.relu(inner) @ self.hidden + self.bias)
+        inner = jax.nn.relu(jax.nn.relu(inner) @ self.hidden + self.bias[None, None])
         return jax.nn.log_softmax(inner @ self.last)
 
-    def log_prob(self, given: Given, x: Int[Array, "n length"]) -> Float[Array, "n"]:
+    def log_prob(self, given: Given, x: Int[Any, "n length"]) -> Float[Array, "n"]:
         """The logarithms of the probabilities of sequences, in nats."""
         logits = self._logits(self.encoder(given), x)
         return jnp.take_along_axis(logits, x[:, :, None], axis=2)[:, :, 0].sum(axis=1)
@@ -162,7 +164,7 @@ class Normal(eqx.Module):
             wide = wide + jnp.log(scale)[:, None]
         return mean, factor, wide
 
-    def log_prob(self, given: Given, x: Float[Array, "n size"]) -> Float[Array, "n"]:
+    def log_prob(self, given: Given, x: Float[Any, "n size"]) -> Float[Array, "n"]:
         """The logarithms of the densities, in nats."""
         mean, factor, wide = self._moments(given)
         white = jax.scipy.linalg.solve_triangular(factor, (x - mean)[:, :, None], lower=True)
@@ -175,4 +177,12 @@ class Normal(eqx.Module):
         return mean + (factor @ white[:, :, None])[:, :, 0]
 
 
-Distribution: Any = Symbols | Normal
+def arrays(networks: eqx.Module) -> Any:
+    """The parts that are trained."""
+    return eqx.filter(networks, eqx.is_inexact_array)
+
+
+@cache
+def optimiser(rate: float) -> optax.GradientTransformation:
+    """Adam, its gradients clipped."""
+    return optax.chain(optax.clip_by_global_norm(1.0), optax.adam(rate))

@@ -118,6 +118,7 @@ class Variational:
         """
         jax = import_from("jax", "robots")
         networks = import_from("habilis.estimators.learned.variational_networks", "robots")
+        layers = import_from("habilis.estimators.learned.networks", "robots")
         training = import_from("habilis.estimators.learned.training", "robots")
         horizon, seed = at_least_one("horizon", horizon), whole_number("seed", seed)
         actions = checked_actions(checked_simulator(simulator).actions)
@@ -156,7 +157,7 @@ class Variational:
             now, bound = improve(now, states, shown, coded)
             return now, float(bound) / _NATS
 
-        state = first, networks.optimiser(rate).init(networks.arrays(first))
+        state = first, layers.optimiser(rate).init(layers.arrays(first))
         rounds = self.rounds, self.patience, path, self.show_progress
         found = training.train(state, one_round, *rounds)
         some = of_state, of_outcome, outcomes, self.samples, seed

@@ -7,11 +7,10 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import optax
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from habilis.estimators.learned.coding import Coding
-from habilis.estimators.learned.networks import Normal, Perceptron, Symbols
+from habilis.estimators.learned.networks import Normal, Perceptron, Symbols, optimiser
 
 _NEAR = 0.2  # by how much a round changes the probability of a sequence (Schulman et al. 2017)
 _SURPLUS = 3.0  # nats: one sequence that the decoder has no idea of does not spoil the source
@@ -56,17 +55,6 @@ def first_codes(coding: Coding, count: int, power: float | None, key: PRNGKeyArr
         return jax.random.randint(key, (count, coding.length), 0, coding.symbols)
     scale = 1.0 if power is None else jnp.sqrt(power / coding.length)
     return scale * jax.random.normal(key, (count, coding.length))
-
-
-def arrays(networks: Networks) -> Any:
-    """The parts that are trained."""
-    return eqx.filter(networks, eqx.is_inexact_array)
-
-
-@cache
-def optimiser(rate: float) -> optax.GradientTransformation:
-    """Adam, its gradients clipped."""
-    return optax.chain(optax.clip_by_global_norm(1.0), optax.adam(rate))
 
 
 @jax.jit
