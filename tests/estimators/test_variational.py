@@ -50,7 +50,7 @@ def check_below(method, case, seeds):
 def test_it_is_below_the_truth_however_little_was_learned():
     (case,) = hb.suite(["channels-2"])
     for rounds in (1, 8):
-        check_below(hb.Variational(**QUICK | {"rounds": rounds}), case, [0, 1])
+        check_below(hb.Variational(**{**QUICK, "rounds": rounds}), case, [0, 1])
 
 
 @pytest.mark.parametrize("name", ["frozen-lake", "maze-slips", "channels-16", "gauss-1", "wall"])

@@ -71,8 +71,9 @@ class Variational:
         >>> from habilis import TabularMDP, empowerment
         >>> noisy = TabularMDP.deterministic([[0, 1], [1, 0]]).slippery(0.2)
         >>> method = Variational(rounds=30, width=16, samples=4000)
-        >>> empowerment(noisy, 1, method=method).round(1), empowerment(noisy, 1).round(1)
-        (array([0.5, 0.5]), array([0.5, 0.5]))
+        >>> bound, exact = empowerment(noisy, 1, method=method), empowerment(noisy, 1)
+        >>> bool((abs(bound - exact) < 0.1).all())
+        True
     """
 
     rounds: int = 100
