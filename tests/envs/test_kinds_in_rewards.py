@@ -48,6 +48,7 @@ def test_any_environment_can_have_it_in_its_reward():
     [
         ({"intrinsic": "effective:object", "horizon": 3}, "which has none; leave out the horizon"),
         ({"intrinsic": "goal-directed:object"}, "horizon 0, so it is 0 everywhere"),
+        ({"intrinsic": "effective"}, "without a sensor; name one, as 'effective:object'"),
     ],
 )
 def test_a_horizon_goes_with_its_kind(settings, message):

@@ -5,6 +5,7 @@ from typing import Any
 
 from habilis.cache import table_digest
 from habilis.checks import as_in, at_least, check_types, one_of, setting, share
+from habilis.empowerment.kinds import KINDS
 from habilis.learning.algorithms import ALGORITHMS
 from habilis.learning.algorithms.protocol import Algorithm
 from habilis.mdp import TabularMDP
@@ -153,6 +154,11 @@ class Config:
             raise ValueError(
                 f"horizon is {self.horizon} and intrinsic {self.intrinsic!r}, which has none; give "
                 "the sensor of an empowerment as intrinsic, or leave out the horizon"
+            )
+        if self.intrinsic in KINDS:
+            raise ValueError(
+                f"intrinsic is {self.intrinsic!r}, a kind of empowerment without a sensor; name "
+                f"one, as '{self.intrinsic}:object'"
             )
         measured = self.regularised and self.intrinsic not in NOVELTIES
         if measured and not Named.of(self.intrinsic).has_horizon:
