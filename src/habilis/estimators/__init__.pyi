@@ -6,8 +6,12 @@ from habilis.estimators.evaluation.case import case_names as case_names
 from habilis.estimators.evaluation.case import suite as suite
 from habilis.estimators.evaluation.contestants import contestants as contestants
 from habilis.estimators.evaluation.evaluate import evaluate as evaluate
+from habilis.estimators.following import Followed as Followed
+from habilis.estimators.following import follow as follow
 from habilis.estimators.gaussian import Gaussian as Gaussian
 from habilis.estimators.gaussian import GaussianChannels as GaussianChannels
+from habilis.estimators.gridded import Gridded as Gridded
+from habilis.estimators.gridded import on_grid as on_grid
 from habilis.estimators.learned.contrastive import Contrastive as Contrastive
 from habilis.estimators.learned.variational import Variational as Variational
 from habilis.estimators.monte_carlo import MonteCarlo as MonteCarlo
