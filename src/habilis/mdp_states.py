@@ -271,7 +271,9 @@ def find(self: "TabularMDP", **cells: tuple[int, int] | int) -> int:
     matches = np.flatnonzero(found)
     if len(matches) != 1:
         where = ", ".join(f"{name}={cell}" for name, cell in cells.items())
-        raise KeyError(f"{len(matches) or 'no'} states have {where}")
+        others = [name for name in self.factors if name not in cells]
+        fix = f"; give {', '.join(others)} too" if len(matches) and others else ""
+        raise KeyError(f"{len(matches) or 'no'} states have {where}{fix}")
     return int(matches[0])
 
 

@@ -44,7 +44,8 @@ def draw_heat(
         world: the map, and where can and tool are; or a puzzle, whose bodies are behind the values.
         values: in any unit; NaN where there is none (walls, the cells of the can and the tool).
         vmin, vmax: the ends of the colour scale; by default those of the values.
-        labels: whether to print the values, to one decimal, where the cells are large enough.
+        labels: whether to print the values where the cells are large enough: to one decimal, or
+            two if they differ by less than 1.
         title: stands above the map, in a font that fits its width.
         agent: whether to draw the agent too; not in a landscape, whose values are over its cells.
 
@@ -142,11 +143,13 @@ class _Labels(Artist):
     def texts(self) -> list[Text]:
         assert self.axes is not None
         cells = np.argwhere(np.isfinite(self._values))
+        shown = self._values[tuple(cells.T)]
+        decimals = 2 if shown.size and 1e-9 < np.ptp(shown) < 1 else 1
         colours = inks(self._heat.to_rgba(self._values[tuple(cells.T)]))
         texts = []
         for (row, column), ink in zip(cells.tolist(), colours, strict=True):
             middle = 0.82 if (row, column) in self._below else 0.5
-            value = f"{self._values[row, column]:z.1f}"
+            value = f"{self._values[row, column]:z.{decimals}f}"
             text = Text(column + 0.5, row + middle, value, color=ink)
             text.set(ha="center", va="center_baseline", transform=self.axes.transData)
             text.set(figure=self.axes.figure, clip_box=self.axes.bbox, clip_on=True)
