@@ -153,3 +153,20 @@ def test_a_channel_that_spreads_too_far_is_refused(monkeypatch):
     monkeypatch.setattr(sys.modules["habilis.analysis.variational"], "_ENTRIES", 10)
     with pytest.raises(ValueError, match=r"has \d+ probabilities after 1 of 3 actions, above 10"):
         variational_bound(mdp, 3)
+
+
+def test_a_sequence_that_may_meet_an_action_that_is_lacking_is_not_drawn():
+    P = np.zeros((3, 2, 3))
+    P[0, 0, [1, 2]] = 0.5  # then action 0 is available in one of them alone
+    P[0, 1, 0] = P[1, 0, 1] = P[1, 1, 0] = P[2, 1, 2] = 1
+    mdp = hb.TabularMDP.stochastic(P, axes="SAS")
+    found = variational_bound(mdp, 2, states=[0])
+    # Those that are left are 01, 10 and 11, a third each.
+    rows = np.array([[0.5, 0, 0.5], [0, 0.5, 0.5], [1, 0, 0]])
+    mean = rows.mean(axis=0)
+    expected = (rows * np.log2(np.where(rows > 0, rows / mean, 1))).sum() / 3
+    assert found.information[0] == pytest.approx(expected)
+    with pytest.raises(
+        ValueError, match="has 1 for sequence 0, which cannot surely be carried out"
+    ):
+        variational_bound(mdp, 2, source=[1, 0, 0, 0], states=[0])

@@ -219,3 +219,14 @@ def test_a_discount_that_rounding_does_not_allow_ends_with_a_gap_that_says_so(ma
         )
     assert bits[0] == pytest.approx(0, abs=1e-9)
     assert 1e-6 < gap[0] < 1e-3
+
+
+def test_rounding_takes_no_gap_above_the_tolerance():
+    table = np.random.default_rng(0).integers(40, size=(40, 4))  # several blocks of observations
+    mdp = hb.TabularMDP.deterministic(table)
+    for maximise in (False, True):
+        _, gap = effective_empowerment(mdp, "uniform", 0.9, maximise=maximise, return_gap=True)
+        assert 0 < gap.max() <= 1e-6
+    mdp = hb.tabulate(hb.load_world("yard"))
+    best = effective_empowerment(mdp, "uniform", 0.9, "object", maximise=True)
+    assert 0 < best.max() <= 3

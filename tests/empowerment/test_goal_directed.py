@@ -116,3 +116,9 @@ def test_a_stochastic_table_is_refused():
     mdp = hb.TabularMDP.deterministic([[0, 1], [1, 0]]).slippery(0.1)
     with pytest.raises(ValueError, match="the table is stochastic; goal-directed"):
         hb.goal_directed_empowerment(mdp, 2, [0])
+
+
+def test_a_slack_that_takes_too_much_memory_is_refused_at_once():
+    ring = hb.TabularMDP.deterministic([[(s - 1) % 9, (s + 1) % 9] for s in range(9)])
+    with pytest.raises(ValueError, match=r"takes about 10.7 GiB; .* give less slack"):
+        hb.goal_directed_empowerment(ring, 2 * 10**7, goal=[0], slack=2 * 10**7)

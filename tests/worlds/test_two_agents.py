@@ -288,3 +288,15 @@ def test_the_other_is_an_obstacle_of_empowerment():
         still[:, 4] = 1
         found = hb.empowerment(mdp, 9, "agent", states=[state], player="agent", others=still)
         assert found[0] == np.log2(second)
+
+
+def test_a_door_does_not_close_on_a_thing():
+    world = hb.World.parse("E = agent\nD = open door\nACDE.")
+    mdp = hb.tabulate(world)
+    names = list(mdp.actions)
+    pushed = int(mdp.next_state[mdp.start, names.index("east+stay")])
+    assert mdp.factor("object")[pushed] == 2
+    assert mdp.next_state[pushed, names.index("door+stay")] == pushed
+    assert mdp.next_state[pushed, names.index("stay+door")] == pushed
+    free = int(mdp.next_state[mdp.start, names.index("stay+door")])
+    assert mdp.factor("door")[[mdp.start, free]].tolist() == [1, 0]

@@ -9,6 +9,7 @@ A step from x to y uses 1 + d(y) - d(x) of the slack, never less than 0, so the 
 are the paths of a table over states and what is left of the slack.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from habilis.empowerment.api import Options, empowerment
 from habilis.empowerment.arguments import check_table, chosen_states, whole_number
+from habilis.empowerment.limits import check_memory
 from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.sensors import Sensor, is_noisy, observations
 from habilis.mdp import TabularMDP
@@ -59,7 +61,8 @@ def goal_directed_empowerment(
         float64[n], in bits.
 
     Raises:
-        ValueError: a stochastic table, a noisy sensor, no goal, or what `empowerment` refuses.
+        ValueError: a stochastic table, a noisy sensor, no goal, a slack that takes more memory
+            than the method's limit, or what `empowerment` refuses.
 
     Example:
         >>> ring = TabularMDP.deterministic([[(s - 1) % 6, (s + 1) % 6] for s in range(6)])
@@ -85,6 +88,8 @@ def goal_directed_empowerment(
     reach[distance[starts] == _FAR] = 0
     slack = min(slack, int(distance[distance < _FAR].max()) + horizon)  # more forbids nothing
     bits, lengths = np.zeros(len(starts)), np.unique(reach[reach > 0]).tolist()
+    gib = 4 * 8 * next_state.size * (slack + 1) / 2**30  # four tables at once while it is made
+    check_memory(gib, -1, horizon, replace(method.limits, otherwise="give less slack"))
     with progress_bar("lengths", show_progress) as report:
         product = TabularMDP.deterministic(_with_slack(next_state, goals, distance, slack))
         seen = np.repeat(labels, slack + 1)

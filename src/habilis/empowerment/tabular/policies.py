@@ -82,9 +82,11 @@ def discounted(
         columns = np.ascontiguousarray(emitted[:, starts[number] : starts[number] + _ABREAST])
         return _fixed_point(matrix, columns, discount, distance / len(starts), come)
 
+    rounding = _ROUNDING / (1 - discount)  # of all columns together
+
     with ThreadPoolExecutor(processors()) as pool:
         parts, reached = zip(*pool.map(some, range(len(starts))), strict=True)
-    return np.hstack(parts), sum(reached)
+    return np.hstack(parts), sum(reached) + rounding
 
 
 def _fixed_point(
@@ -98,8 +100,7 @@ def _fixed_point(
     added, found = (1 - g) * emitted, emitted
     left = 1.0  # E and N are parts of distributions
     come(left)
-    rounding = _ROUNDING / (1 - g)
-    least = max(distance, rounding)
+    least = max(distance, _ROUNDING / (1 - g))
     cycles = _CYCLES if np.log(distance) / np.log(g) > 2 * _RESTART else 0
     while cycles and left > least:
         closer = _closer(matrix, found, added, g, least)
@@ -115,7 +116,7 @@ def _fixed_point(
         new = added.copy()
         add_product(matrix.indptr, matrix.indices, matrix.data, found, g, new, 0, len(new))
         found = new
-    return np.maximum(found, 0), max(left * g**steps, distance) + rounding
+    return np.maximum(found, 0), max(left * g**steps, distance)
 
 
 def _applied(
