@@ -265,8 +265,8 @@ def test_assistance_is_the_mean_of_the_change_over_all_next_states(seed: int, no
 @pytest.mark.parametrize("others", ["uniform", "best"])
 def test_assistance_in_some_states_is_that_of_the_whole_table(others: str):
     mdp = hb.tabulate(hb.World.parse("E = agent\n##.##\nE..A.\n")).slippery(0.1)
-    whole = hb.assistance(mdp, "agent", "agent2", 2, "agent2", others=others)
-    some = hb.assistance(mdp, "agent", "agent2", 2, "agent2", [7, 3, 7], others=others)
+    whole = hb.assistance(mdp, "agent", "agent2", 1, "agent2", others=others)
+    some = hb.assistance(mdp, "agent", "agent2", 1, "agent2", [7, 3, 7], others=others)
     assert whole.shape == (mdp.states, 5)
     np.testing.assert_allclose(some, whole[[7, 3, 7]], atol=1e-12)
 
