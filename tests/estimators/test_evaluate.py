@@ -191,6 +191,7 @@ def test_an_estimator_that_gives_too_few_values_has_a_reason(folder: Path, capsy
         ("--estimator best", "estimator 'best' is unknown; use counting"),
         ("--estimator mine.py:Broken --cases maze", "mine.py:Broken: fails with AttributeError"),
         ("--cases amaze", "case 'amaze' is unknown"),
+        ("--out found.npz", "found.npz"),
         ("--seeds 0 --cases maze --estimator counting", "seeds is 0"),
     ],
 )

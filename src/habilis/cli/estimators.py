@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from habilis.cli.arguments import Args, parse_words
 from habilis.cli.output import print_json, print_written, save, shows_progress
-from habilis.files import PICTURES, TABLES
+from habilis.files import PICTURES
 from habilis.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ HELP: str = "hold estimators of empowerment against exact values"
 EXAMPLE: str = "habilis estimators --estimator counting --cases maze,yard"
 COMMON: tuple[str, ...] = ("--estimator", "--cases", "--quick", "--out")
 
+_TABLES = (".csv", ".parquet")  # the formats of words that may be missing
 _QUICK = ("maze", "frozen-lake", "channels-16", "lake-effective", "gauss-2", "wall")
 
 
@@ -33,9 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help=text)
     text = "number of seeds, each a fit (default 3, with --quick 1)"
     parser.add_argument("--seeds", type=int, metavar="N", help=text)
-    text = "table (.csv, .parquet, .npz) or picture (.png, .svg, .pdf); repeatable"
+    text = "table (.csv, .parquet) or picture (.png, .svg, .pdf); repeatable"
     parser.add_argument("--out", type=Path, action="append", default=[], metavar="F.csv", help=text)
-    parser.set_defaults(writes={"out": (*TABLES, *PICTURES)})
+    parser.set_defaults(writes={"out": (*_TABLES, *PICTURES)})
 
 
 def run(args: Args) -> int:
@@ -92,7 +93,7 @@ def _chosen(args: Args) -> dict[str, Any]:
 
 
 def _write(table: "pl.DataFrame", path: Path) -> None:
-    if path.suffix in TABLES:
+    if path.suffix in _TABLES:
         from habilis.analysis.data_frames import save_table
 
         save_table(table, path)
