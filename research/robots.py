@@ -2,6 +2,7 @@
 
     python -m research.robots         # a quarter of an hour on two processors
     python -m research.robots check   # larger searches in some placements, five minutes
+    python -m research.robots noisy   # noisy controls, a minute
 
 Writes research/results/robots.csv, a row for each tool, placement and search, and the pictures and
 the table beside the page. What robots.csv has is not computed again.
@@ -13,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
-from habilis.estimators import Counting
+from habilis.estimators import Counting, MonteCarlo
 from habilis.files import write_whole
 from habilis.robots import (
     PushingSimulator,
@@ -126,6 +127,14 @@ def check() -> None:
         print(f"{tool} against none: {turned.sum()} reversed, {changed.sum()} changed")
 
 
+def noisy() -> None:
+    """Compares the tools with noisy controls."""
+    method = MonteCarlo(60, 12, "gaussian", noise=0.025, tolerance=0.1)
+    found = compare_tools(MODEL, TOOLS, 5, side=4, seeds=4, noise=0.2, method=method)
+    with pl.Config(tbl_cols=-1, float_precision=3, tbl_width_chars=240):
+        print(found.frame())
+
+
 def main() -> None:
     PAGE.mkdir(exist_ok=True)
     found = comparison()
@@ -145,4 +154,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    check() if "check" in sys.argv[1:] else main()
+    parts = {"check": check, "noisy": noisy}
+    parts.get(" ".join(sys.argv[1:]), main)()
