@@ -59,7 +59,7 @@ def test_the_same_seed_gives_the_same_numbers_whatever_else_is_asked():
     states = ball.random_states(3, np.random.default_rng(0))
     fitted = hb.Counting(0.2, 50).fit(ball, 3, "position", seed=4)
     together = fitted.bits(states)
-    assert np.array_equal(together, np.concatenate([fitted.bits(one) for one in states]))
+    assert np.array_equal(together, np.concatenate([fitted.bits(one[None]) for one in states]))
     other = hb.Counting(0.2, 50).fit(ball, 3, "position", seed=5)
     assert not np.array_equal(together, other.bits(states))
 

@@ -84,7 +84,7 @@ def test_the_same_seed_gives_the_same_numbers_whatever_else_is_asked():
     method = hb.MonteCarlo(6, 20)
     fitted = method.fit(ball, 2, seed=3)
     together = fitted.bits(states)
-    assert np.array_equal(together, np.concatenate([fitted.bits(one) for one in states]))
+    assert np.array_equal(together, np.concatenate([fitted.bits(one[None]) for one in states]))
     assert np.array_equal(together, method.fit(ball, 2, seed=3).bits(states))
     assert not np.array_equal(together, method.fit(ball, 2, seed=4).bits(states))
 

@@ -80,7 +80,7 @@ def follow(
         True
     """
     checked_simulator(simulator)
-    starts = checked_states(states)
+    starts = checked_states(np.atleast_2d(np.asarray(states)))  # one vector is one start
     steps, seed = whole_number("steps", steps), whole_number("seed", seed)
     tried = _choices(simulator.actions if actions is None else actions)
     draws = at_least_one("samples", samples) if is_stochastic(simulator) else 1

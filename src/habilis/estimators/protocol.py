@@ -157,14 +157,12 @@ def checked_simulator(simulator: Any) -> Simulator:
 
 
 def checked_states(states: Any) -> Float64[np.ndarray, "n d"]:
-    """`states` as float64[n, d], one state as [1, d], else a ValueError."""
+    """`states` as float64[n, d], else a ValueError."""
     given = np.asarray(states)
-    if given.ndim == 1:
-        given = given[None]
     if given.ndim != 2 or given.dtype.kind not in "biuf":
         raise ValueError(
             f"states has shape {np.shape(states)} and type {given.dtype}; give float[n, d], one "
-            "state a row"
+            "state a row, as [[0.0, 1.0]]"
         )
     checked = given.astype(np.float64)
     if not np.isfinite(checked).all():

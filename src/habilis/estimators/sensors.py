@@ -3,7 +3,8 @@
 A sensor of a simulator is one of
 
 - "state": the whole state, float[n, d];
-- a name that the simulator lists in `names`; of a table, the name of a factor;
+- a name that the simulator lists in `names`, or a list of such names; of a table, the name of a
+  factor;
 - an index, a list of indices or a slice: these entries of the observation, which is what the
   simulator's `observe` returns, and the state itself where it has none;
 - a function of observations, float[n, o] -> float[n, p] (or [n]), written in JAX where the
@@ -41,7 +42,18 @@ def reading(simulator: Simulator, sensor: SensorOfSimulator) -> Reading:
     if callable(sensor):
         return lambda states: _as_columns(sensor(observe(states)))
     entries = _entries(simulator, sensor)
-    return lambda states: observe(states)[:, entries]
+    return lambda states: _picked(observe(states), entries, sensor)
+
+
+def _picked(shown: Any, entries: Any, sensor: SensorOfSimulator) -> Any:
+    """Some columns; JAX would take the last one for any that does not exist."""
+    there = shown.shape[1]
+    if not isinstance(entries, slice) and not (-there <= entries.min() and entries.max() < there):
+        raise ValueError(
+            f"sensor is {sensor!r:.60}, but an observation has {there} entries; give indices from "
+            f"0 to {there - 1}"
+        )
+    return shown[:, entries]
 
 
 def _as_columns(shown: Any) -> Any:
@@ -51,21 +63,32 @@ def _as_columns(shown: Any) -> Any:
 def _entries(simulator: Simulator, sensor: SensorOfSimulator) -> Any:
     """What selects a sensor's columns of the observations."""
     if isinstance(sensor, str):
-        names: Mapping[str, Any] = getattr(simulator, "names", None) or {}
-        if sensor not in names:
-            raise ValueError(
-                f"sensor {sensor!r} is unknown; use one of {', '.join(['state', *names])}"
-            )
-        sensor = names[sensor]
+        sensor = _named(simulator, sensor)
+    elif isinstance(sensor, list) and sensor and all(isinstance(name, str) for name in sensor):
+        return np.concatenate([_indices(_named(simulator, name)) for name in sensor])
     if isinstance(sensor, slice):
         return sensor
     entries = np.asarray(sensor)
     if entries.ndim > 1 or not entries.size or entries.dtype.kind not in "iu":
         raise ValueError(
-            f"sensor is {sensor!r:.60}; give 'state', a name, an index, a list of indices or a "
-            "slice of the observation, or a function of observations"
+            f"sensor is {sensor!r:.60}; give 'state', a name, an index, a list of either, a slice "
+            "of the observation, or a function of observations"
         )
     return np.atleast_1d(entries)
+
+
+def _named(simulator: Simulator, name: str) -> Any:
+    names: Mapping[str, Any] = getattr(simulator, "names", None) or {}
+    if name not in names:
+        raise ValueError(f"sensor {name!r} is unknown; use one of {', '.join(['state', *names])}")
+    return names[name]
+
+
+def _indices(entries: Any) -> np.ndarray:
+    """Entries as a list of indices; slices of names have both ends."""
+    if isinstance(entries, slice):
+        return np.arange(entries.start, entries.stop, entries.step)
+    return np.atleast_1d(np.asarray(entries))
 
 
 def checked_reading(shown: Any, rows: int) -> np.ndarray:
