@@ -84,3 +84,13 @@ def test_a_budget_below_the_cheapest_sequence_names_the_belief():
         hb.empowerment(lamp, 2, states=[0, 1], cost=free, budget=1.5)
     with pytest.raises(ValueError, match=r"2 actions from states\[0\] costs 2; give at least"):
         hb.empowerment(lamp, 2, states=np.full((1, 2), 0.5), cost=paid, budget=1.5)
+
+
+@pytest.mark.parametrize("within", [{}, {"cost": np.ones((30, 2)), "budget": 9.0}])
+def test_what_takes_too_long_is_refused_with_what_fits(within):
+    P = np.random.default_rng(0).dirichlet(np.ones(30), size=(30, 2))
+    mdp = hb.TabularMDP.stochastic(P, axes="SAS")
+    labels = np.arange(30) % 2
+    method = hb.Exact(max_seconds=0.05)
+    with pytest.raises(ValueError, match=r"takes about .*; the limits are 8 GiB and 0\.05 s, and"):
+        hb.empowerment(mdp, 6, labels, sensor_at="each step", method=method, **within)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from habilis.checks import is_number
 from habilis.empowerment.each_step import cheapest, written_out
-from habilis.empowerment.limits import Limits, too_much
+from habilis.empowerment.limits import Clock, Limits, too_much
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor
 from habilis.mdp import TabularMDP
@@ -65,6 +65,7 @@ def within_budget(
     """
     each, budgets = checked_cost(mdp, cost), checked_budgets(budget)
     seen, moves = last_observations(mdp, sensor), moves_of(mdp.transitions)
+    clock = Clock(horizon, limits)
     asked, place = np.unique(states, return_inverse=True)
     bits, gaps = np.zeros((2, len(asked), len(budgets)))
     for number, start in enumerate(asked.tolist()):
@@ -85,6 +86,7 @@ def within_budget(
             found = capacity_within(channel, costs, most, tolerance * _LN2)
             bits[number, column], gaps[number, column] = np.array(found) / _LN2
             report(number * len(budgets) + column + 1, bits.size)
+            clock.check_all((number * len(budgets) + column + 1) / bits.size)
     if np.ndim(budget) == 0:
         bits, gaps = bits[:, 0], gaps[:, 0]
     return bits[place], gaps[place]

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
 
-from habilis.empowerment.limits import Limits, too_much
+from habilis.empowerment.limits import Clock, Limits, too_much
 from habilis.empowerment.one_step import moves_of
 from habilis.empowerment.sensors import (
     Sensor,
@@ -61,6 +61,7 @@ def of_trajectories(
     """
     from habilis.channels.capacity_solver import best_inputs
 
+    clock = Clock(horizon, limits)
     asked, place = np.unique(states, return_inverse=True)
     bits, gaps = np.zeros((2, len(asked)))
     if not mdp.is_stochastic and not is_noisy(sensor):
@@ -74,6 +75,7 @@ def of_trajectories(
             if len(rows) > 1 and rows.shape[1] > 1:
                 _, found = best_inputs(rows, tolerance * _LN2)
                 bits[number], gaps[number] = found.lower / _LN2, found.gap / _LN2
+            clock.check_all((number + 1) / len(asked))
     return bits[place], gaps[place]
 
 

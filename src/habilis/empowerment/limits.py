@@ -126,3 +126,42 @@ def watched(horizon: int, steps: int, gib: float, limits: Limits, report: Progre
         doubted = not fits
 
     return watch
+
+
+@dataclass
+class Clock:
+    """The cost of a computation so far, which refuses what is going to exceed the limits."""
+
+    horizon: int
+    limits: Limits
+
+    def __post_init__(self) -> None:
+        self.began = self.step_began = time.monotonic()
+
+    def begin(self) -> None:
+        """A step begins."""
+        self.step_began = time.monotonic()
+
+    def check(self, share: float, step: int) -> None:
+        """Refuses a step that is going to take too long, given the share of it that is done."""
+        now = time.monotonic()
+        in_step = now - self.step_began
+        if in_step < min(_TRIAL, self.limits.seconds):
+            return
+        seconds = self.step_began - self.began + in_step / share
+        if seconds > self.limits.seconds:
+            cost = f"takes about {seconds:.3g} s"
+            raise too_much(self.horizon, step, self.limits, cost, estimated=True)
+
+    def check_all(self, share: float) -> None:
+        """The same of all states, given the share of them that is done."""
+        elapsed = time.monotonic() - self.began
+        if elapsed >= min(_TRIAL, self.limits.seconds) and elapsed / share > self.limits.seconds:
+            cost = f"takes about {elapsed / share:.3g} s"
+            raise too_much(self.horizon, self.horizon - 1, self.limits, cost, estimated=True)
+
+    def check_memory(self, held: float, step: int) -> None:
+        """Refuses a step that needs more bytes than the limit."""
+        gib = held / 2**30
+        if gib > self.limits.gib:
+            raise too_much(self.horizon, step, self.limits)

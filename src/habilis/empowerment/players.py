@@ -11,7 +11,6 @@ set; with noise sets of beliefs, whose channel is certified in the end. Policies
 `TabularMDP.of_player`'s.
 """
 
-import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +24,7 @@ from habilis.channels.capacity_solver import best_inputs
 from habilis.empowerment.arguments import chosen_actions, chosen_states
 from habilis.empowerment.combined import check_single
 from habilis.empowerment.initial_beliefs import are_beliefs
-from habilis.empowerment.limits import Limits, too_much
+from habilis.empowerment.limits import Clock, Limits
 from habilis.empowerment.methods import Exact, Method
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import (
@@ -51,7 +50,6 @@ Beliefs = Float64[np.ndarray, "K N"]
 
 _LN2 = float(np.log(2))
 _DIGITS = 12  # to which beliefs are compared
-_TRIAL = 0.5  # seconds of a step after which the rest of it is estimated
 _OTHERWISE = "give the others a policy"
 
 
@@ -217,7 +215,7 @@ def _counted(
     """The logarithm of the largest or the least number of observations."""
     labels, label_count = observations(mdp, sensor)
     sets = _Sets(np.arange(len(starts) + 1), starts.astype(np.int32))
-    clock = _Clock(horizon, limits)
+    clock = Clock(horizon, limits)
     led: list[Int64[np.ndarray, "k B"]] = []
     held = 0.0
     for step in range(horizon):
@@ -235,7 +233,7 @@ def _after(
     next_state: Int32[np.ndarray, "S A"],
     joint: Int64[np.ndarray, "P B"],
     sets: _Sets,
-    clock: "_Clock",
+    clock: Clock,
     step: int,
     held: float,
 ) -> tuple[Int64[np.ndarray, "k B"], _Sets]:
@@ -291,7 +289,7 @@ def _certified(
     limits: Limits,
 ) -> tuple[Bits, Bits]:
     """Bounds on the largest or the least capacity."""
-    clock = _Clock(horizon, limits)
+    clock = Clock(horizon, limits)
     bits, gaps = np.zeros((2, len(starts)))
     pick = np.max if best else np.min
     for number, start in enumerate(starts.tolist()):
@@ -307,9 +305,7 @@ def _certified(
     return bits, gaps
 
 
-def _channels(
-    steps: _Steps, start: int, horizon: int, clock: "_Clock"
-) -> tuple[list[Beliefs], float]:
+def _channels(steps: _Steps, start: int, horizon: int, clock: Clock) -> tuple[list[Beliefs], float]:
     """The distinct channels from the player's sequences, over all sequences of the others.
 
     And how much merging may have changed a row, at most, in total variation: twice a step, by
@@ -359,42 +355,3 @@ def _capacity(channel: Beliefs, distance: float, tolerance: float) -> tuple[floa
     _, found = best_inputs(channel, tolerance / 2 * _LN2)
     merged = information_error(distance, channel.shape[1])
     return found.lower / _LN2, max(found.upper, found.lower) / _LN2 + merged
-
-
-@dataclass
-class _Clock:
-    """The cost of a computation so far, which refuses what is going to exceed the limits."""
-
-    horizon: int
-    limits: Limits
-
-    def __post_init__(self) -> None:
-        self.began = self.step_began = time.monotonic()
-
-    def begin(self) -> None:
-        """A step begins."""
-        self.step_began = time.monotonic()
-
-    def check(self, share: float, step: int) -> None:
-        """Refuses a step that is going to take too long, given the share of it that is done."""
-        now = time.monotonic()
-        in_step = now - self.step_began
-        if in_step < min(_TRIAL, self.limits.seconds):
-            return
-        seconds = self.step_began - self.began + in_step / share
-        if seconds > self.limits.seconds:
-            cost = f"takes about {seconds:.3g} s"
-            raise too_much(self.horizon, step, self.limits, cost, estimated=True)
-
-    def check_all(self, share: float) -> None:
-        """The same of all states, given the share of them that is done."""
-        elapsed = time.monotonic() - self.began
-        if elapsed >= min(_TRIAL, self.limits.seconds) and elapsed / share > self.limits.seconds:
-            cost = f"takes about {elapsed / share:.3g} s"
-            raise too_much(self.horizon, self.horizon - 1, self.limits, cost, estimated=True)
-
-    def check_memory(self, held: float, step: int) -> None:
-        """Refuses a step that needs more bytes than the limit."""
-        gib = held / 2**30
-        if gib > self.limits.gib:
-            raise too_much(self.horizon, step, self.limits)
