@@ -226,6 +226,7 @@ VERBS = {  # every verb that writes, and what it needs besides
     "empowerment": ["empowerment", "yard", "--horizon", "9", "--out"],
     "landscape": ["landscape", "yard", "--horizon", "9", "--out"],
     "futures": ["futures", "yard", "--horizon", "9", "--sensor", "object", "--out"],
+    "estimators": ["estimators", "--quick", "--out"],
     "compare": ["compare", "yard", "--pairs", "--horizon", "9", "--out"],
     "watch gif": ["watch", "run", "--gif"],
     "watch mp4": ["watch", "run", "--mp4"],

@@ -53,16 +53,14 @@ def evaluate(
         show_progress: whether to draw a progress bar on standard error.
 
     Returns:
-        A Polars data frame with a row for each estimator and case:
-
-        - "estimator", "case", "target" of the case, "kind" of the estimator, "seeds";
-        - "bias": the mean of estimate minus truth over states, in bits; "rmse": the root of the
-          mean square; "rank": Spearman's rank correlation with the truth over states, null where
-          the truth is the same everywhere. Each is the mean over seeds, with the ends of its 95 %
-          bootstrap interval over seeds, as in "bias_low" and "bias_high";
-        - "seconds" of a fit with the values of all states, compilation included, and "steps": of
-          the simulator, through `habilis.estimators.rollouts`;
-        - "reason": why there are no numbers.
+        A Polars data frame with a row for each estimator and case. The columns "estimator", "case",
+        "target" (of the case), "kind" (of the estimator) and "seeds" say of what. "bias" is the
+        mean of estimate minus truth over states, in bits; "rmse" the root of the mean square;
+        "rank" Spearman's rank correlation with the truth over states, null where the truth is the
+        same everywhere. Each is the mean over seeds, with the ends of its 95 % bootstrap interval
+        over seeds, as in "bias_low" and "bias_high". "seconds" are those of a fit with the values
+        of all states, compilation included, and "steps" those of the simulator, through
+        `habilis.estimators.rollouts`. "reason" says why there are no numbers.
 
     Raises:
         ValueError: an estimator without `fit`, or no seeds.
