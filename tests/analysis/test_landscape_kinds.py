@@ -83,7 +83,6 @@ def test_goal_directed_landscapes_name_their_slack_of_0():
         ({"slack": 1}, "slack is 1 and kind 'open-loop', which has none; leave it out"),
         ({"kind": "goal-directed", "actions": [0]}, "is over all actions; leave out actions"),
         ({"kind": "closed-loop", "method": hb.Sampled()}, "has no method but Exact"),
-        ({"kind": "closed-loop", "method": hb.Exact(max_seconds=9)}, "leave out its limits"),
     ],
 )
 def test_settings_of_another_kind_are_refused(settings, message):

@@ -66,7 +66,8 @@ def landscape(
             A map with two agents is one of these.
         horizon, sensor, actions: as in `empowerment`.
         kind: "open-loop"; "effective", under the uniform policy, which has a discount and no
-            horizon; "closed-loop"; or "goal-directed", towards the terminal states.
+            horizon; "closed-loop"; or "goal-directed", towards the terminal states. Of a method
+            effective and closed-loop empowerment use the tolerance alone, not its limits.
         discount: of effective empowerment.
         slack: of goal-directed empowerment; 0 by default.
         slip: as in `tabulate`.
