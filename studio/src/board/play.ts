@@ -145,7 +145,7 @@ export function createBoardPlay(app: App, about: BoardAbout, question: Question)
   );
   function keeps(): Keeps {
     const { bits, path } = player.game();
-    const scene = question.scene();
+    const scene = question.message();
     const puzzle = about.image === null; // environments have neither films nor code here
     return {
       ...NOTHING,

@@ -19,11 +19,11 @@ export const KIND_NAMES: Record<Kind, string> = {
 export function sentenceOn({ kind, discount, slack }: KindSettings): string {
   switch (kind) {
     case "open-loop":
-      return "How many outcomes the agent can choose from by a plan made in advance.";
+      return "How many outcomes a plan made in advance can reach.";
     case "closed-loop":
-      return "How many outcomes the agent can choose from if it observes the state after every step.";
+      return "How many outcomes it can reach if it looks after every step.";
     case "effective":
-      return `How much one action determines the outcome, about ${steps(1 / (1 - discount))} ahead, if the agent then acts at random.`;
+      return `How much one action decides about ${steps(1 / (1 - discount))} later, if the rest is random.`;
     case "goal-directed":
       return slack
         ? `How many outcomes lie on paths to the goal that are at most ${steps(slack)} longer than the shortest.`
