@@ -5,7 +5,9 @@ depends on what. Addresses, and the packages that every environment has, are lef
 """
 
 import json
+import re
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,8 @@ def materials(found: dict[str, Any], version: str) -> dict[str, Any]:
     depend = {
         one["ref"]: sorted(there & {*one.get("dependsOn", ())}) for one in found["dependencies"]
     }
-    roots = depend.get("root-component", [])
+    asked = names_asked_for()
+    roots = [one for one in depend.get("root-component", []) if _plain(one) in asked]
     return {
         "$schema": found["$schema"],
         "bomFormat": found["bomFormat"],
@@ -45,6 +48,19 @@ def materials(found: dict[str, Any], version: str) -> dict[str, Any]:
             *({"ref": ref, "dependsOn": depend.get(ref, [])} for ref in sorted(there)),
         ],
     }
+
+
+def names_asked_for() -> set[str]:
+    """The packages that users install directly: those of development are in no wheel."""
+    project = tomllib.loads((PATH.parent / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    some = [extras[extra] for extra in extras if extra not in ("dev", "docs")]
+    return {_plain(one) for part in (project["dependencies"], *some) for one in part}
+
+
+def _plain(requirement: str) -> str:
+    """The name in a requirement, as indexes compare names."""
+    return re.sub(r"[-_.]+", "-", re.split(r"[\[<>=~ ]", requirement)[0]).lower()
 
 
 def _component(found: dict[str, Any]) -> dict[str, Any]:

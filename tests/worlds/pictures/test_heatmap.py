@@ -113,11 +113,12 @@ def test_there_is_a_label_for_every_value():
 
 def test_values_that_differ_little_have_two_decimals_which_fit_their_cells():
     values = values_of(ROOM) / 10
-    ax = Figure().add_subplot()
+    figure = Figure()
+    ax = figure.add_subplot()
     draw_heat(ax, ROOM, values)
     expected = {f"{value:.2f}" for value in values[np.isfinite(values)]}
     assert {label.get_text() for label in labels_on(ax)} == expected
-    assert all(width < 1 for width, _ in ink_boxes(ax.figure, ax))
+    assert all(width < 1 for width, _ in ink_boxes(figure, ax))
 
 
 def test_a_value_a_little_below_zero_is_not_printed_as_minus_zero():
