@@ -31,6 +31,23 @@ def test_a_name_in_a_list_that_does_not_exist_is_named():
         reading(MujocoSimulator(SLIDERS), ["x", "z"])
 
 
+@pytest.mark.ill_typed
+@pytest.mark.parametrize("width", [1, 3])
+@pytest.mark.parametrize("simulator", [double_integrator(), MujocoSimulator(SLIDERS)])
+def test_states_of_another_length_are_refused(simulator, width):
+    """NumPy would put one number into all entries of a MuJoCo state."""
+    with pytest.raises(ValueError, match=rf"states have {width} numbers each, the simulator's"):
+        simulator.step(np.zeros((1, width)), np.zeros((1, 1)), None)
+
+
+@pytest.mark.parametrize("state", [9.0, -1.0, 0.5])
+def test_an_index_that_is_no_state_is_refused_also_by_the_simulator(state):
+    ring = hb.TabularMDP.deterministic([[(s - 1) % 9, (s + 1) % 9] for s in range(9)])
+    fitted = hb.Counting().fit(hb.estimators.simulators.FiniteSimulator(ring), 1)
+    with pytest.raises(ValueError, match=rf"states has {state:g}; use indices from 0 to 8"):
+        fitted.bits([[state]])
+
+
 def test_states_are_rows_even_of_one_number():
     """[0, 9] could be two states of one number, or one of two."""
     ring = hb.TabularMDP.deterministic([[(s - 1) % 9, (s + 1) % 9] for s in range(9)])

@@ -15,9 +15,8 @@ import numpy as np
 from jaxtyping import Float64
 from numpy.typing import ArrayLike
 
-from habilis.empowerment.arguments import at_least_one, chosen_states
+from habilis.empowerment.arguments import at_least_one, checked_policy, chosen_states
 from habilis.empowerment.combined import check_single
-from habilis.empowerment.effective import checked_policy
 from habilis.empowerment.initial_beliefs import are_beliefs
 from habilis.empowerment.one_step import moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities

@@ -64,8 +64,7 @@ def run(args: Args) -> int:
 @contextmanager
 def _own_code(args: Args) -> Iterator[None]:
     """Turns an error in somebody's estimator into one line."""
-    from habilis.estimators.evaluation.own import is_own
-    from habilis.worlds.own_tools import failure
+    from habilis.own_code import failure, is_own
 
     try:
         yield
@@ -78,7 +77,8 @@ def _own_code(args: Args) -> Iterator[None]:
 
 def _chosen(args: Args) -> dict[str, Any]:
     from habilis.estimators.evaluation.contestants import contestants
-    from habilis.estimators.evaluation.own import is_own, own_estimator
+    from habilis.estimators.evaluation.own import own_estimator
+    from habilis.own_code import is_own
 
     known: dict[str, Any] = dict(contestants(args.quick))
     if args.estimator is None:

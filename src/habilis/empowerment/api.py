@@ -213,12 +213,18 @@ def empowerment(
     if sensor_at not in ("end", "each step"):
         raise ValueError(f"sensor_at is {sensor_at!r}; use 'end' or 'each step'")
     budgeted = is_budgeted(cost, budget)
+    what = "" if sensor_at == "end" else "the observations of each step"
+    what = "a budget" if budgeted else what
+    if what:
+        check_single(mdp, sensor, what)
+        if not isinstance(method, Exact):
+            raise ValueError(f"{what} needs every sequence; use method=hb.Exact()")
     if are_beliefs(states):
         options: Options = {"method": method, "unit": unit, "show_progress": show_progress}
         output = sensor_at, cost, budget
         bits, gap = _from_beliefs(mdp, horizon, sensor, used, states, output, options)
         return (bits, gap) if return_gap else bits
-    if budgeted or sensor_at == "each step":
+    if what:
         some = mdp, horizon, sensor, used, states, sensor_at, cost, budget, method, scale
         bits, gap = _written_out(*some, show_progress)
         return (bits, gap) if return_gap else bits
@@ -274,15 +280,11 @@ def _written_out(
     """Empowerment within a budget, or over the observations of every step, of one sensor."""
     from habilis.empowerment.each_step import of_trajectories
 
-    each_step, budgeted = sensor_at == "each step", cost is not None
-    what = "a budget" if budgeted else "the observations of each step"
-    if not isinstance(method, Exact):
-        raise ValueError(f"{what} needs every sequence; use method=hb.Exact()")
-    check_single(mdp, sensor, what)
+    each_step = sensor_at == "each step"
     tolerance, starts = method.tolerance / scale, chosen_states(mdp, states)
     asked = mdp, horizon, sensor, actions, starts
     with progress_bar("empowerment", show_progress) as report:
-        if budgeted:
+        if cost is not None:
             found = within_budget(*asked, each_step, cost, budget, tolerance, method.limits, report)
         else:
             found = of_trajectories(*asked, tolerance, method.limits, report)
@@ -303,8 +305,6 @@ def _from_beliefs(
 ) -> tuple[Curves, Curves]:
     """Empowerment where the agent only has a distribution over states."""
     sensor_at, cost, budget = output
-    if cost is not None or sensor_at != "end":
-        check_single(mdp, sensor, "a budget" if cost is not None else "each step's observations")
 
     def through(one: Sensor) -> tuple[Curves, Curves]:
         larger, seen, states = with_beliefs(mdp, one, beliefs)

@@ -3,13 +3,13 @@
 from typing import Any, Literal
 
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Float64, Int64
 from numpy.typing import ArrayLike
 
 from habilis.checks import is_number
 from habilis.mdp import TabularMDP
 from habilis.models.protocol import action_names
-from habilis.probabilities import as_array
+from habilis.probabilities import as_array, row_stochastic
 from habilis.worlds.world import World
 
 Unit = Literal["bits", "nats"]
@@ -109,3 +109,43 @@ def chosen_states(mdp: TabularMDP, states: Any, name: str = "states") -> Int64[n
     if len(outside):
         raise ValueError(f"{name} has {outside[0]}; use indices from 0 to {mdp.states - 1}")
     return chosen.astype(np.int64)
+
+
+def checked_policy(
+    mdp: TabularMDP, policy: ArrayLike | Literal["uniform"], name: str = "policy"
+) -> Float64[np.ndarray, "S A"]:
+    """A policy as probabilities of available actions.
+
+    Args:
+        mdp: the table.
+        policy: as in `effective_empowerment`.
+        name: what the error calls it.
+
+    Raises:
+        ValueError: as `effective_empowerment` says of it.
+    """
+    available = mdp.available
+    if not available.any(axis=1).all():
+        state = int(np.flatnonzero(~available.any(axis=1))[0])
+        raise ValueError(
+            f"state {state} has no action, so that a policy ends there; give it a self-loop"
+        )
+    if isinstance(policy, str):
+        if policy != "uniform":
+            raise ValueError(f"{name} is {policy!r}; give 'uniform' or float[S, A]")
+        return available / available.sum(axis=1, keepdims=True)
+    given = as_array(name, policy)
+    wanted = mdp.states, mdp.action_count
+    if given.shape != wanted:
+        raise ValueError(
+            f"{name} has shape {given.shape}; give float[states, actions], here {wanted}"
+        )
+    chosen = row_stochastic(name, given, "state {}", "states").toarray()
+    outside = np.argwhere((chosen > 0) & ~available)
+    if len(outside):
+        state, action = outside[0]
+        raise ValueError(
+            f"{name} has {chosen[state, action]:g} for action {action} in state {state}, which is "
+            "not available there; give 0"
+        )
+    return chosen

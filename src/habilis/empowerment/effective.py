@@ -26,6 +26,7 @@ from habilis.checks import is_number
 from habilis.empowerment.arguments import (
     Unit,
     check_table,
+    checked_policy,
     chosen_states,
     per_bit,
     positive,
@@ -36,7 +37,7 @@ from habilis.empowerment.limits import Progress
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
 from habilis.mdp import TabularMDP
-from habilis.probabilities import as_array, row_stochastic, shape_of
+from habilis.probabilities import shape_of
 from habilis.processors import processors
 from habilis.progress import in_percent, progress_bar
 
@@ -57,7 +58,8 @@ class _Channel:
     Attributes:
         moves: float64[S * A, S], the probabilities of next states.
         seen: float64[S * A, O], of what is observed in them.
-        choice: float64[S, S * A], the policy.
+        under: float64[S, S], the probabilities of next states under the policy.
+        mean: float64[S, O], of what is observed in them.
         at_once: float64[S, O], what is observed without any action.
         discount: g.
         first_step: the least number of steps.
@@ -65,7 +67,8 @@ class _Channel:
 
     moves: "csr_array"
     seen: "csr_array"
-    choice: "csr_array"
+    under: "csr_array"
+    mean: "csr_array"
     at_once: "csr_array"
     discount: float
     first_step: int
@@ -192,46 +195,6 @@ def effective_empowerment(
     return (bits * scale, gap * scale) if return_gap else bits * scale
 
 
-def checked_policy(
-    mdp: TabularMDP, policy: ArrayLike | Literal["uniform"], name: str = "policy"
-) -> Float64[np.ndarray, "S A"]:
-    """A policy as probabilities of available actions.
-
-    Args:
-        mdp: the table.
-        policy: as in `effective_empowerment`.
-        name: what the error calls it.
-
-    Raises:
-        ValueError: as `effective_empowerment` says of it.
-    """
-    available = mdp.available
-    if not available.any(axis=1).all():
-        state = int(np.flatnonzero(~available.any(axis=1))[0])
-        raise ValueError(
-            f"state {state} has no action, so that a policy ends there; give it a self-loop"
-        )
-    if isinstance(policy, str):
-        if policy != "uniform":
-            raise ValueError(f"{name} is {policy!r}; give 'uniform' or float[S, A]")
-        return available / available.sum(axis=1, keepdims=True)
-    given = as_array(name, policy)
-    wanted = mdp.states, mdp.action_count
-    if given.shape != wanted:
-        raise ValueError(
-            f"{name} has shape {given.shape}; give float[states, actions], here {wanted}"
-        )
-    chosen = row_stochastic(name, given, "state {}", "states").toarray()
-    outside = np.argwhere((chosen > 0) & ~available)
-    if len(outside):
-        state, action = outside[0]
-        raise ValueError(
-            f"{name} has {chosen[state, action]:g} for action {action} in state {state}, which is "
-            "not available there; give 0"
-        )
-    return chosen
-
-
 def _channel_of(
     mdp: TabularMDP,
     policy: Float64[np.ndarray, "S A"],
@@ -254,7 +217,8 @@ def _channel_of(
     first = np.arange(0, states * actions + 1, actions)
     choice = csr_array((policy.ravel(), np.arange(states * actions), first))
     moves, seen = moves_of(mdp.transitions), last_observations(mdp, sensor)
-    return _Channel(moves, seen, choice, at_once, discount, first_step)
+    under, mean = csr_array(choice @ moves), csr_array(choice @ seen)
+    return _Channel(moves, seen, under, mean, at_once, discount, first_step)
 
 
 def _distance_of(bits: float, outputs: int) -> float:
@@ -272,33 +236,28 @@ def _discounted(
     """The part of N for some observations, and by what total variation distance it is off."""
     from habilis.empowerment.tabular.policies import discounted
 
-    under: Any = channel.choice @ channel.moves
-    mean: Any = channel.choice @ channel.seen
-    found, off = np.asarray(mean[:, columns].toarray()), 0.0
+    emitted: Any = channel.mean[:, columns]
+    found, off = np.asarray(emitted.toarray()), 0.0
     if channel.discount > 0:
         # Half the distance: rows that do not quite sum to 1 cost less than the other half. And a
         # little less than half, so that the bound on what is reached is not above it by rounding.
-        share = 0.49 * distance * found.shape[1] / shape_of(mean)[1]
-        found, off = discounted(under, found, channel.discount, max(share, 1e-300), report)
+        share = 0.49 * distance * found.shape[1] / shape_of(channel.mean)[1]
+        found, off = discounted(channel.under, found, channel.discount, max(share, 1e-300), report)
     for _ in range(max(channel.first_step - 2, 0)):
-        found = _in_threads(under, found, np.zeros_like(found), 1.0)
+        found = _after_a_step(channel.under, found)
     return found, off
 
 
-def _in_threads(
-    matrix: "csr_array",
-    old: Float64[np.ndarray, "S O"],
-    added: Float64[np.ndarray, "S O"],
-    factor: float,
+def _after_a_step(
+    under: "csr_array", found: Float64[np.ndarray, "S O"]
 ) -> Float64[np.ndarray, "S O"]:
-    """The sum `added + factor * matrix @ old`."""
+    """The product of both."""
     from habilis.empowerment.tabular.policies import add_product
 
-    new = added.copy()
-
-    arguments = (matrix.indptr, matrix.indices, matrix.data, old, factor, new)
-    _split(partial(_in_range, add_product, arguments), len(new))
-    return new
+    product = np.zeros_like(found)
+    arguments = (under.indptr, under.indices, under.data, found, 1.0, product)
+    _split(partial(_in_range, add_product, arguments), len(product))
+    return product
 
 
 def _in_range(

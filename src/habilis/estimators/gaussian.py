@@ -20,6 +20,7 @@ from habilis.estimators.protocol import (
     checked_states,
     in_jax,
     is_finite,
+    is_linear,
     is_stochastic,
 )
 from habilis.estimators.sensors import reading
@@ -119,8 +120,7 @@ class Gaussian:
             _check_inside(actions, nominal, self.difference)
         shown = reading(simulator, sensor)
         response = linear_response(simulator, shown, nominal, noise, self.difference)
-        linear = bool(getattr(simulator, "is_linear", False)) and not callable(sensor)
-        kind: Kind = "exact" if linear else "approximation"
+        kind: Kind = "exact" if is_linear(simulator, sensor) else "approximation"
         return FittedGaussian(response, horizon, self.power, self.noise, kind)
 
 

@@ -44,14 +44,13 @@ def estimated_bits(
         ValueError: the model is neither, or there are no states.
     """
     if isinstance(model, TabularMDP):
-        simulator: Simulator = FiniteSimulator(model)
+        finite = FiniteSimulator(model)
+        simulator: Simulator = finite
         asked = np.arange(model.states) if states is None else np.asarray(states)
         if asked.dtype == bool and asked.shape == (model.states,):
             asked = np.flatnonzero(asked)
         given = checked_states(asked.reshape(-1, 1))
-        outside = given[(given < 0) | (given >= model.states) | (given != np.floor(given))]
-        if len(outside):
-            raise ValueError(f"states has {outside[0]:g}; use indices from 0 to {model.states - 1}")
+        finite.indices(given)  # which refuses others, also where no step is made
     elif isinstance(model, World):
         raise ValueError(
             "an estimator takes a simulator or a table, no world; give hb.tabulate(world)"

@@ -20,6 +20,7 @@ from habilis.estimators.protocol import (
     checked_simulator,
     checked_states,
     is_finite,
+    is_linear,
     is_stochastic,
 )
 from habilis.estimators.rollouts import Outcomes, outcomes_of
@@ -115,8 +116,7 @@ class MonteCarlo:
         density = self.outcomes
         if density == "auto":
             density = "labels" if is_finite(simulator) else "gaussian"
-        linear = bool(getattr(simulator, "is_linear", False)) and not callable(sensor)
-        right = density != "gaussian" or linear or samples == 1
+        right = density != "gaussian" or is_linear(simulator, sensor) or samples == 1
         kind: Kind = "asymptotically exact" if right else "approximation"
         outcomes = outcomes_of(simulator, reading(simulator, sensor))
         return FittedMonteCarlo(self, outcomes, sequences, density, samples, seed, kind)

@@ -145,6 +145,11 @@ def is_finite(simulator: Simulator) -> bool:
     return bool(getattr(simulator, "is_finite", False))
 
 
+def is_linear(simulator: Simulator, sensor: SensorOfSimulator) -> bool:
+    """Whether what a sensor shows is a linear function of state, actions and noise."""
+    return bool(getattr(simulator, "is_linear", False)) and not callable(sensor)
+
+
 def checked_simulator(simulator: Any) -> Simulator:
     """`simulator` if it is one, else a ValueError that says what it lacks."""
     for name in ("actions", "step"):
@@ -154,6 +159,19 @@ def checked_simulator(simulator: Any) -> Simulator:
                 "`actions` and `step(states, actions, key)`, as habilis.Simulator describes"
             )
     return simulator
+
+
+def check_length(states: Float[Any, "n d"], length: int) -> None:
+    """Refuses states of another length, which NumPy might spread over all entries.
+
+    Raises:
+        ValueError: says what they have.
+    """
+    if states.shape[1] != length:
+        raise ValueError(
+            f"states have {states.shape[1]} numbers each, the simulator's {length}; give "
+            f"float[n, {length}]"
+        )
 
 
 def checked_states(states: Any) -> Float64[np.ndarray, "n d"]:

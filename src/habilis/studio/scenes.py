@@ -11,13 +11,13 @@ from msgspec import UNSET
 
 from habilis.analysis.averages import held
 from habilis.mdp import TabularMDP
+from habilis.own_code import is_own
 from habilis.studio.drawn_worlds import check_known, order_of, world_of
 from habilis.studio.limits import REACHED, SIDES
 from habilis.studio.measured_kinds import OPEN, Measured
 from habilis.studio.placements import Order, named, placed
 from habilis.studio.protocol import scenes as protocol
 from habilis.worlds.map_text import header, map_lines
-from habilis.worlds.own_tools import is_own
 from habilis.worlds.placements import Factors, Placement, placed_at, start_of
 from habilis.worlds.plans import Plan, check_certain, solve
 from habilis.worlds.reach import TooManyPlacementsError, reachable

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from habilis.files import shown
+from habilis.own_code import is_own
 from habilis.worlds.grid import Cell
 from habilis.worlds.map_text import (
     AGENT,
@@ -23,7 +24,7 @@ from habilis.worlds.map_text import (
     header,
     map_lines,
 )
-from habilis.worlds.own_tools import beside, is_own, tool_named
+from habilis.worlds.own_tools import beside, tool_named
 from habilis.worlds.things import CAN, OBJECTS, Door, PlacedObject, PlacedTool
 from habilis.worlds.tools import OURS, TOOLS, UNBOUND, Reading
 

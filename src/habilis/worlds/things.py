@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
+from habilis.own_code import is_own
 from habilis.worlds.grid import Cell
-from habilis.worlds.own_tools import is_in_file, is_own, located, tool_named
+from habilis.worlds.own_tools import is_in_file, located, tool_named
 from habilis.worlds.tools import OURS, Reading, Tool
 
 Where = Cell | Mapping[str, Cell]

@@ -9,9 +9,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from habilis.own_code import failure
 from habilis.probabilities import as_array
 from habilis.worlds.grid import BORDER, MOVES, Cells, Flags, Grid
-from habilis.worlds.own_tools import failure
 from habilis.worlds.tools import Tool, name_of
 
 Method = Literal["attached", "carry", "swing"]

@@ -7,12 +7,13 @@ from importlib.resources import files
 from pathlib import Path
 
 from habilis.files import shown
+from habilis.own_code import is_own
 from habilis.reprs import quietly, short, unfailing
 from habilis.worlds.grid import Cell as Cell
 from habilis.worlds.grid import Grid
 from habilis.worlds.map_text import FLOOR, WALL
 from habilis.worlds.map_writing import Mark, binding, described, header_of, marks_of
-from habilis.worlds.own_tools import as_tool, is_own, tool_named
+from habilis.worlds.own_tools import as_tool, tool_named
 from habilis.worlds.parsing import parsed
 from habilis.worlds.things import (
     Door,

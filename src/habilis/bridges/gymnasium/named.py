@@ -12,7 +12,7 @@ from urllib.parse import unquote_plus
 import gymnasium
 
 from habilis.mdp import TabularMDP
-from habilis.worlds.own_tools import importing_from
+from habilis.own_code import importing_from
 
 
 def table_named(

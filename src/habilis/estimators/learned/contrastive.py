@@ -154,8 +154,8 @@ class Contrastive:
         memory = layers.optimiser(self.learning_rate).init(layers.arrays(first))
         rounds = self.rounds, self.patience, path, self.show_progress
         found = training.train((first, memory), one_round, *rounds)
-        told = of_state, of_outcome, others, sample, self.samples, self.batch, seed
-        return FittedContrastive(found.best[0], *told, found.bounds)
+        given = of_state, of_outcome, others, sample, self.samples, self.batch, seed
+        return FittedContrastive(found.best[0], *given, found.bounds)
 
 
 @dataclass(frozen=True, eq=False)

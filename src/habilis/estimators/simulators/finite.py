@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
-from habilis.estimators.protocol import Random
+from habilis.estimators.protocol import Random, check_length
 from habilis.mdp import TabularMDP
 from habilis.transitions import Transitions
 
@@ -75,7 +75,7 @@ class FiniteSimulator:
             The next states.
         """
         count = self.mdp.action_count
-        choice = states[:, 0].astype(np.int64) * count + actions[:, 0].astype(np.int64)
+        choice = self.indices(states) * count + actions[:, 0].astype(np.int64)
         draw = key.random(len(choice)) if self.is_stochastic else None
         made = self._transitions.drawn(choice, draw)
         return self._transitions.next_state[made].astype(np.float64)[:, None]
@@ -89,7 +89,28 @@ class FiniteSimulator:
         Returns:
             Index and labels, one state a row.
         """
-        return self._observations[states[:, 0].astype(np.int64)]
+        return self._observations[self.indices(states)]
+
+    def indices(self, states: Float64[np.ndarray, "n d"]) -> Int64[np.ndarray, "n"]:
+        """The rows of the table that states are.
+
+        Args:
+            states: indices, as numbers of any kind.
+
+        Returns:
+            int64[n].
+
+        Raises:
+            ValueError: a state is none of the table's.
+        """
+        check_length(states, 1)
+        rows = states[:, 0].astype(np.int64)
+        outside = (rows != states[:, 0]) | (rows < 0) | (rows >= self.mdp.states)
+        if outside.any():
+            raise ValueError(
+                f"states has {states[outside][0, 0]:g}; use indices from 0 to {self.mdp.states - 1}"
+            )
+        return rows
 
     def random_states(
         self, count: int, generator: np.random.Generator

@@ -9,7 +9,7 @@ from jaxtyping import Float, Float64
 
 from habilis.empowerment.arguments import whole_number
 from habilis.estimators.actions import checked_actions
-from habilis.estimators.protocol import Random
+from habilis.estimators.protocol import Random, check_length
 from habilis.extras import import_from
 
 if TYPE_CHECKING:
@@ -101,6 +101,8 @@ class JaxSimulator:
             The next states.
         """
         jax = import_from("jax", "robots")
+        if self.low is not None:
+            check_length(states, np.size(self.low))
         if self.noise:
             return jax.vmap(self.function)(states, actions, noise)
         return jax.vmap(self.function)(states, actions)

@@ -14,7 +14,7 @@ from jaxtyping import Float64, UInt8
 from habilis.checks import is_number
 from habilis.empowerment.arguments import at_least_one
 from habilis.estimators.actions import ActionBox, checked_actions
-from habilis.estimators.protocol import Random
+from habilis.estimators.protocol import Random, check_length
 from habilis.extras import import_from
 from habilis.processors import processors
 
@@ -214,6 +214,7 @@ class MujocoSimulator:
     ) -> tuple[np.ndarray, np.ndarray]:
         """All states and sensors on the way."""
         mujoco, rollout = imported(), import_from("mujoco.rollout", "robots")
+        check_length(states, len(self._places))
         whole = np.repeat(self._initial[None], len(states), axis=0)
         whole[:, self._places] = states
         data = [mujoco.MjData(self.model) for _ in range(min(self._threads, len(states)))]
