@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from html import unescape
@@ -76,14 +77,19 @@ class Notebook(BaseHTTPRequestHandler):
         pass
 
 
-def opened(page: Page, html: str, name: str) -> FrameLocator:
-    """The frame of an output, in a page under a name of this machine."""
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Notebook, html))
-    Thread(target=server.serve_forever, daemon=True).start()
-    page.goto(f"http://{name}:{server.server_port}/")
-    server.shutdown()
-    server.server_close()
-    return page.frame_locator("iframe")
+@contextmanager
+def opened(page: Page, html: str, name: str) -> Iterator[FrameLocator]:
+    """The frame of an output, in a page under a name of this machine.
+
+    It is served until the end: a browser asks for an icon whenever it likes, and a server that is
+    gone by then resets the connection, which the page reports as an error.
+    """
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Notebook, html)) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        page.goto(f"http://{name}:{server.server_port}/")
+        yield page.frame_locator("iframe")
+        page.close()
+        server.shutdown()
 
 
 def middle(place: Locator) -> tuple[float, float]:
@@ -108,34 +114,33 @@ def test_edits_come_back_and_what_the_notebook_sets_is_shown(kernel: Kernel, bro
     faults: list[str] = []
     page.on("pageerror", lambda error: faults.append(str(error)))
     page.on("console", lambda line: faults.append(line.text) if line.type == "error" else None)
-    frame = opened(page, html, "localhost")
-    expect(frame.locator(f"{LANDSCAPE}[data-pending=false]")).to_be_visible(timeout=STUCK)
-    expect(frame.locator("#share")).to_be_hidden()
-    assert page.locator("iframe").evaluate("frame => frame.clientHeight") == 640
-    keep_picture(page, "notebook")
+    with opened(page, html, "localhost") as frame:
+        expect(frame.locator(f"{LANDSCAPE}[data-pending=false]")).to_be_visible(timeout=STUCK)
+        expect(frame.locator("#share")).to_be_hidden()
+        assert page.locator("iframe").evaluate("frame => frame.clientHeight") == 640
+        keep_picture(page, "notebook")
 
-    page.mouse.move(*middle(frame.locator(f"{WORLD}-8-3")))
-    assert YARD.object == (8, 3)
-    page.mouse.down()
-    page.mouse.move(*middle(frame.locator(f"{WORLD}-5-4")), steps=5)
-    page.mouse.up()
-    waited(page, kernel, "studio.world.object", "(5, 4)")
-    assert kernel.value("studio.world") == repr(YARD.with_cells(object=(5, 4)))
+        page.mouse.move(*middle(frame.locator(f"{WORLD}-8-3")))
+        assert YARD.object == (8, 3)
+        page.mouse.down()
+        page.mouse.move(*middle(frame.locator(f"{WORLD}-5-4")), steps=5)
+        page.mouse.up()
+        waited(page, kernel, "studio.world.object", "(5, 4)")
+        assert kernel.value("studio.world") == repr(YARD.with_cells(object=(5, 4)))
 
-    kernel.run('studio.world = hb.load_world("corridor", tool="broom")')
-    corridor = load_world("corridor", tool="broom")
-    row, column = corridor.goal
-    expect(frame.locator(f"{WORLD}-{row}-{column}")).to_have_attribute(
-        "aria-label", re.compile("bin")
-    )
-    waited(page, kernel, "studio.world", repr(corridor))
+        kernel.run('studio.world = hb.load_world("corridor", tool="broom")')
+        corridor = load_world("corridor", tool="broom")
+        row, column = corridor.goal
+        expect(frame.locator(f"{WORLD}-{row}-{column}")).to_have_attribute(
+            "aria-label", re.compile("bin")
+        )
+        waited(page, kernel, "studio.world", repr(corridor))
 
-    page.keyboard.press("Control+z")  # what the notebook showed is one step back
-    waited(page, kernel, "studio.world.object", "(5, 4)")
-    assert faults == []
-    kernel.run("studio.close()")
-    expect(frame.locator(".status").first).to_contain_text("Connection lost")
-    page.close()
+        page.keyboard.press("Control+z")  # what the notebook showed is one step back
+        waited(page, kernel, "studio.world.object", "(5, 4)")
+        assert faults == []
+        kernel.run("studio.close()")
+        expect(frame.locator(".status").first).to_contain_text("Connection lost")
 
 
 def test_a_page_elsewhere_can_not_frame_it(kernel: Kernel, browser: Browser):
@@ -143,11 +148,10 @@ def test_a_page_elsewhere_can_not_frame_it(kernel: Kernel, browser: Browser):
     src = re.search(r'src="([^"]+)"', html)
     assert src is not None
     page = browser.new_page()
-    opened(page, html, ELSEWHERE)
-    (framed,) = page.frames[1:]
-    assert framed.url != unescape(src[1])
+    with opened(page, html, ELSEWHERE):
+        (framed,) = page.frames[1:]
+        assert framed.url != unescape(src[1])
     kernel.run("studio.close()")
-    page.close()
 
 
 def test_a_world_is_a_picture_in_a_cell(kernel: Kernel):
