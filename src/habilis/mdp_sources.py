@@ -183,6 +183,11 @@ def save(self: "TabularMDP", path: str | Path) -> None:
 def load(cls: type["TabularMDP"], path: str | Path) -> "TabularMDP":
     """The table in a file that `save` wrote.
 
+    The file is read once, to check it. Arrays of a MiB and more are then mapped: they take memory
+    only where they are used, and processes that load one file share it. Writing into them changes
+    this table alone, not the file. Replace the file if you must (`save` does); do not overwrite it
+    while a table of it is in use.
+
     Args:
         path: of the file.
 

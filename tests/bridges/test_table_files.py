@@ -1,10 +1,12 @@
 """A saved table is read back as it was, or the file is refused and nothing is lost."""
 
+import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import habilis as hb
+from habilis import checksums
 from habilis.checksums import read_arrays, write_arrays
+from habilis.files import write_whole
 from habilis.mdp import TabularMDP
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -118,9 +122,81 @@ def test_no_damaged_file_is_read(tmp_path_factory, data: st.DataObject):
     damaged = data.draw(st.sampled_from([content[:at], flipped + content[at + 1 :], content * 2]))
     path = folder / "m.npz"
     path.write_bytes(damaged)
-    with pytest.raises(ValueError, match=r"m\.npz: .*; (save the table again|pass its arrays)"):
-        TabularMDP.load(path)
+    least = data.draw(st.sampled_from([0, checksums.MAPPED]))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(checksums, "MAPPED", least)
+        with pytest.raises(ValueError, match=r"m\.npz: .*; (save the table again|pass its arrays)"):
+            TabularMDP.load(path)
     assert path.read_bytes() == damaged
+
+
+def is_mapped(array: np.ndarray) -> bool:
+    base = array
+    while isinstance(base.base, np.ndarray):
+        base = base.base
+    return isinstance(base, np.memmap)
+
+
+def large_ring() -> TabularMDP:
+    states = np.arange(200_000)
+    ring = TabularMDP.deterministic(np.stack([states - 1, states + 1], axis=1) % len(states))
+    return replace(
+        ring, factors={"half": (states % 2).astype(np.int32), "place": states.astype(np.int32)}
+    )
+
+
+def test_large_arrays_stay_in_the_file_and_changes_do_not_reach_it(tmp_path: Path):
+    mdp, path = large_ring(), tmp_path / "m.npz"
+    mdp.save(path)
+    content = path.read_bytes()
+    found = TabularMDP.load(path)
+    for array in (found.next_state, found.reward, found.factors["place"]):
+        assert is_mapped(array)
+        assert array.flags.aligned
+        assert array.flags.c_contiguous
+    assert not is_mapped(found.terminal), "a small one is read"
+    assert_same(mdp, found)
+    found.next_state[0, 0] = 7
+    assert found.next_state[0, 0] == 7
+    assert path.read_bytes() == content
+    mdp.save(path)  # which leaves the file that is mapped where it is
+    assert found.next_state[0].tolist() == [7, 1]
+    assert hb.empowerment(TabularMDP.load(path), 1, states=[5]).tolist() == [1.0]
+
+
+def test_the_arrays_of_a_stochastic_table_stay_in_the_file_too(tmp_path: Path):
+    mdp = large_ring().slippery(0.2)
+    mdp.save(tmp_path / "m.npz")
+    found = TabularMDP.load(tmp_path / "m.npz")
+    assert_same(mdp, found)
+    transitions: Any = found.transitions
+    assert is_mapped(transitions.data)
+    assert is_mapped(transitions.indices)
+
+
+def test_files_of_earlier_versions_are_read(tmp_path: Path):
+    """Which have their arrays anywhere, so that they cannot be mapped."""
+    mdp, path = large_ring(), tmp_path / "m.npz"
+    mdp.save(path)
+    content = BytesIO()
+    np.savez(content, allow_pickle=False, **read_arrays(path))
+    path.write_bytes(content.getvalue() + hashlib.sha256(content.getvalue()).digest())
+    assert_same(mdp, TabularMDP.load(path))
+
+
+def test_every_size_of_array_is_mapped_or_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("habilis.checksums.MAPPED", 0)
+    for size in (0, 1, 63, 64, 65):
+        path = tmp_path / f"{size}.npz"
+        arrays = {f"name{'s' * size}": np.arange(size), "words": np.array("ab" * size)}
+        write_whole(path, lambda file, arrays=arrays: write_arrays(file, arrays))
+        found = read_arrays(path, mapped=True)
+        assert list(found) == list(arrays)
+        for name, array in arrays.items():
+            assert found[name].dtype == array.dtype
+            assert np.array_equal(found[name], array)
+            assert is_mapped(found[name]) == (array.size > 0)
+            assert found[name].flags.aligned
 
 
 def header(**changes: object) -> Callable[[dict], None]:

@@ -1,6 +1,7 @@
 """Tables as files: `TabularMDP.save` and `TabularMDP.load`.
 
-An .npz of plain arrays, without pickles, with a checksum (`habilis.checksums`). NumPy reads it too:
+An .npz of plain arrays, without pickles, with a checksum (`habilis.checksums`). NumPy reads it too.
+Large arrays stay in the file when it is loaded, mapped into memory:
 
 - `header`: JSON text: format, edition, start, shape, actions, cells, names of factors and flags,
   players if there are several;
@@ -12,7 +13,7 @@ An .npz of plain arrays, without pickles, with a checksum (`habilis.checksums`).
 
 import json
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from habilis.mdp_arguments import UNAVAILABLE
 SUFFIX, _STORM = ".npz", ".drn"
 _FORMAT, _EDITION = "habilis table", 1
 _ROUNDING = 1e-9
+_PART = 1 << 20  # numbers checked at once
 _BROKEN = (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile)
 
 
@@ -65,7 +67,7 @@ def load(path: str | Path) -> TabularMDP:
         raise ValueError(f"path is {path!r:.80}; give the path of a file")
     name = shown(path) if str(path) else "''"
     try:
-        arrays = read_arrays(Path(path))
+        arrays = read_arrays(Path(path), mapped=True)
     except ChecksumError:
         raise ValueError(f"{name}: {_not_a_table(Path(path))}") from None
     except (OSError, ValueError) as error:
@@ -193,8 +195,14 @@ def _check(arrays: Arrays, name: str, dtype: type, shape: tuple[int, ...]) -> No
     if array.dtype != dtype or array.shape != shape:
         wanted = f"{np.dtype(dtype)}{list(shape)}"
         raise ValueError(f"{name} is {array.dtype}{list(array.shape)}, not {wanted}")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
+    if array.dtype.kind == "f" and not all(np.isfinite(part).all() for part in _parts(array)):
         raise ValueError(f"{name} has entries that are not finite")
+
+
+def _parts(array: np.ndarray) -> Iterator[np.ndarray]:
+    """An array in parts, so that what is made of each stays small."""
+    flat = array.reshape(-1)
+    return (flat[first : first + _PART] for first in range(0, len(flat), _PART))
 
 
 def _check_names(header: dict[str, Any], kind: str) -> None:
