@@ -1,10 +1,13 @@
 """Our speed beside what users would pick instead, measured in one run on the reader's machine."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
 
 BENCHMARKS = (
     "start",
@@ -23,6 +26,11 @@ _EXTRAS = {"learning": "learn", "lanes": "learn", "sb3": "learn", "studio": "stu
 _LARGE = ("kinds",)  # which have sizes that take minutes
 _APART = ("sb3", "lanes")  # measured when named: it needs torch, or is of interest on a GPU
 
+ROUNDS = 5
+_WARM = 0.5  # seconds; kernels that are called for less are not compiled (habilis.compiled)
+
+Seconds = Float64[np.ndarray, "rounds"]
+
 
 @dataclass(frozen=True)
 class Result:
@@ -30,21 +38,34 @@ class Result:
 
     Attributes:
         name: what was measured.
-        value: how much.
+        value: how much; of several rounds the median.
         unit: of `value`.
         note: what it is measured against, or on what.
+        least, most: of the rounds, where there are several.
     """
 
     name: str
     value: float
     unit: str
     note: str
+    least: float | None = None
+    most: float | None = None
+
+    @classmethod
+    def of(cls, name: str, rounds: Seconds, unit: str, note: str) -> "Result":
+        """The median of some rounds, with their spread."""
+        return cls(
+            name, float(np.median(rounds)), unit, note, float(rounds.min()), float(rounds.max())
+        )
 
     def as_dict(self) -> dict[str, Any]:
         return asdict(self)
 
     def __str__(self) -> str:
-        return f"{self.name:<52} {self.value:>12,.3g} {self.unit:<14} {self.note}"
+        spread = ""
+        if self.least is not None and self.most is not None:
+            spread = f"{self.least:,.3g} to {self.most:,.3g}"
+        return f"{self.name:<52} {self.value:>12,.3g} {self.unit:<10} {spread:<18} {self.note}"
 
 
 def run_benchmarks(names: Sequence[str], large: bool = False) -> list[Result]:
@@ -78,12 +99,31 @@ def run_benchmarks(names: Sequence[str], large: bool = False) -> list[Result]:
     return results
 
 
-def best_seconds(call: Callable[[], Any], repeats: int = 5) -> float:
-    """The least time of a call, after one that warms up: the machine's noise only adds."""
-    call()
-    times = []
-    for _ in range(repeats):
-        began = time.perf_counter()
+def times(calls: Mapping[str, Callable[[], Any]], rounds: int = ROUNDS) -> dict[str, Seconds]:
+    """Seconds of each call in each round.
+
+    Each is called for half a second before, so that all is compiled that will be. A round calls
+    all of them in turn, so that a noisy moment hits all alike: a ratio is taken round by round.
+
+    Example:
+        >>> seconds = times({"ours": lambda: sum(range(9)), "theirs": lambda: sum([*range(9)])})
+        >>> (seconds["theirs"] / seconds["ours"]).shape
+        (5,)
+    """
+    for call in calls.values():
+        end = time.perf_counter() + _WARM
         call()
-        times.append(time.perf_counter() - began)
-    return min(times)
+        while time.perf_counter() < end:
+            call()
+    seconds = {name: np.empty(rounds) for name in calls}
+    for one in range(rounds):
+        for name, call in calls.items():
+            began = time.perf_counter()
+            call()
+            seconds[name][one] = time.perf_counter() - began
+    return seconds
+
+
+def time_of(call: Callable[[], Any], rounds: int = ROUNDS) -> Seconds:
+    """Seconds of a call in each round, compiled before."""
+    return times({"it": call}, rounds)["it"]

@@ -7,10 +7,7 @@ import json
 import os
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import Any
 
 from habilis.benchmarks import Result
 
@@ -26,19 +23,6 @@ def measured_apart(module: str, function: str, **environment: str) -> list[Resul
     variables = os.environ | environment
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, env=variables)
     return [Result(**line) for line in json.loads(done.stdout)]
-
-
-def alternating(calls: Mapping[str, Callable[[], Any]], rounds: int = 7) -> dict[str, float]:
-    """The least seconds of each call, made in turn so that a noisy moment hits all alike."""
-    least = dict.fromkeys(calls, float("inf"))
-    for call in calls.values():
-        call()
-    for _ in range(rounds):
-        for name, call in calls.items():
-            began = time.perf_counter()
-            call()
-            least[name] = min(least[name], time.perf_counter() - began)
-    return least
 
 
 def main(module: str, function: str) -> None:

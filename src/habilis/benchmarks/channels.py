@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from habilis.benchmarks import Result, best_seconds
+from habilis.benchmarks import Result, times
 from habilis.channels.capacity import capacity
 
 _GAP = 1e-6  # bits
@@ -38,19 +38,26 @@ def results() -> list[Result]:
         P = np.random.default_rng(0).dirichlet(np.full(outputs, alpha), inputs)
         name = f"capacity, Dirichlet({alpha:g}) {inputs}x{outputs}"
         found = capacity(P, _GAP)
-        ours = best_seconds(lambda P=P: capacity(P, _GAP), 9)
-        (bits, steps), theirs = blahut_arimoto(P), best_seconds(lambda P=P: blahut_arimoto(P), 1)
+        bits, steps = blahut_arimoto(P)
         assert found.gap <= _GAP
         assert abs(found.bits - bits) <= 2 * _GAP
+        calls: dict[str, Callable[[], Any]] = {
+            "ours": lambda P=P: capacity(P, _GAP),
+            "plain": lambda P=P: blahut_arimoto(P),
+        }
+        dit = _dit()
+        if dit is not None:
+            calls["dit"] = lambda P=P, dit=dit: dit(P)
+        seconds = times(calls)
+        ours, plain = seconds["ours"], seconds["plain"]
         lines += [
-            Result(name, 1e3 * ours, "ms", f"gap {found.gap:.1g} bits"),
-            Result(f"{name}: plain / ours", theirs / ours, "times", f"{steps:,} steps"),
+            Result.of(name, 1e3 * ours, "ms", f"gap {found.gap:.1g} bits"),
+            Result.of(f"{name}: plain / ours", plain / ours, "times", f"{steps:,} steps"),
         ]
-        if dit := _dit():
+        if dit is not None:
             error = abs(float(dit(P)) - found.bits)
-            seconds = best_seconds(lambda P=P, dit=dit: dit(P), 1)
             note = f"dit, default settings; it errs by {error:.1g} bits"
-            lines.append(Result(f"{name}: dit / ours", seconds / ours, "times", note))
+            lines.append(Result.of(f"{name}: dit / ours", seconds["dit"] / ours, "times", note))
     return lines
 
 

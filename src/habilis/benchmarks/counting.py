@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from habilis.benchmarks import Result, best_seconds
+from habilis.benchmarks import Result, times
 from habilis.empowerment import empowerment
 from habilis.empowerment.tabular.blocks import in_blocks
 from habilis.empowerment.tabular.counting import unite
@@ -37,18 +37,23 @@ def results() -> list[Result]:
 
 
 def _beside_enumeration(mdp: TabularMDP, name: str, sensor: str, horizon: int) -> list[Result]:
-    seconds = best_seconds(lambda: empowerment(mdp, horizon, sensor))
     labels = np.arange(mdp.states) if sensor == "state" else mdp.factor(sensor)
     asked = np.linspace(0, mdp.states - 1, _ASKED).astype(int)
     enumerated = enumerate_sequences(mdp, labels, asked, horizon)
     assert np.array_equal(empowerment(mdp, horizon, sensor, states=asked), enumerated)
-    theirs = best_seconds(lambda: enumerate_sequences(mdp, labels, asked, horizon), 1)
+    seconds = times(
+        {
+            "ours": lambda: empowerment(mdp, horizon, sensor),
+            "theirs": lambda: enumerate_sequences(mdp, labels, asked, horizon),
+        }
+    )
+    ours, theirs = seconds["ours"], seconds["theirs"] / _ASKED * mdp.states
     sequences = mdp.action_count**horizon
     return [
-        Result(f"{horizon}-step {name}", 1e3 * seconds, "ms", f"all {mdp.states:,} states"),
-        Result(
+        Result.of(f"{horizon}-step {name}", 1e3 * ours, "ms", f"all {mdp.states:,} states"),
+        Result.of(
             f"{horizon}-step {name}: enumeration / ours",
-            theirs / _ASKED * mdp.states / seconds,
+            theirs / ours,
             "times",
             f"{sequences:,} sequences a state, vectorised NumPy, {_ASKED} states scaled up",
         ),
@@ -72,34 +77,42 @@ def _beside_dense_rows(world: str, horizon: int) -> list[Result]:
     """FOE of many actions, and of so many that the sets have long been full."""
     mdp = tabulate(load_world(world))
     assert np.array_equal(empowerment(mdp, horizon), dense_rows(mdp, horizon))
-    theirs = best_seconds(lambda: dense_rows(mdp, horizon), 1)
+    horizons = (horizon, 2 * horizon, 10**9)
+    calls = {str(h): lambda h=h: empowerment(mdp, h) for h in horizons}
+    seconds = times({**calls, "dense": lambda: dense_rows(mdp, horizon)})
     results = []
-    for h in (horizon, 2 * horizon, 10**9):
-        seconds = best_seconds(lambda h=h: empowerment(mdp, h))
+    for h in horizons:
         name, note = f"{h:,}-step FOE of {world}", f"all {mdp.states:,} states"
-        results.append(Result(name, 1e3 * seconds, "ms", note))
+        results.append(Result.of(name, 1e3 * seconds[str(h)], "ms", note))
         if h == horizon:
-            note = f"dense rows of bits in NumPy, {theirs:.3g} s"
-            results.append(Result(f"{name}: dense / ours", theirs / seconds, "times", note))
+            ratio, note = seconds["dense"] / seconds[str(h)], "dense rows of bits in NumPy"
+            results.append(Result.of(f"{name}: dense / ours", ratio, "times", note))
     return results
 
 
 def _growth(mdp: TabularMDP) -> list[Result]:
     """How the cost of TOE grows: linear is a ratio of 1."""
-    short, long = (best_seconds(lambda h=h: empowerment(mdp, h, "object")) for h in (8, 16))
     small, large = tabulate(room(12)), tabulate(room(20))
-    per_state = [best_seconds(lambda m=m: empowerment(m, 6, "object")) for m in (small, large)]
-    words = [-(-12 * 12 // 64), -(-20 * 20 // 64)]
-    per_word = [
-        s / (m.states * w) for s, m, w in zip(per_state, (small, large), words, strict=True)
-    ]
+    seconds = times(
+        {
+            "short": lambda: empowerment(mdp, 8, "object"),
+            "long": lambda: empowerment(mdp, 16, "object"),
+            "small": lambda: empowerment(small, 6, "object"),
+            "large": lambda: empowerment(large, 6, "object"),
+        }
+    )
+    words = {"small": small.states * -(-12 * 12 // 64), "large": large.states * -(-20 * 20 // 64)}
+    per_word = {name: seconds[name] / many for name, many in words.items()}
     return [
-        Result(
-            "TOE, cost of h = 16 over twice that of h = 8", long / short / 2, "times", "linear: 1"
+        Result.of(
+            "TOE, cost of h = 16 over twice that of h = 8",
+            seconds["long"] / seconds["short"] / 2,
+            "times",
+            "linear: 1",
         ),
-        Result(
+        Result.of(
             "TOE, 20x20 over 12x12, a state and word",
-            per_word[1] / per_word[0],
+            per_word["large"] / per_word["small"],
             "times",
             f"linear: at most 1 ({large.states:,} and {small.states:,} states)",
         ),
@@ -125,12 +138,14 @@ def _bandwidth() -> list[Result]:
     def copy() -> None:
         in_blocks(lambda a, b: np.copyto(out[a:b], sets[a:b]), mdp.states, 2**20, threads)
 
-    rate = 2 * sets.nbytes / best_seconds(copy)
+    seconds = times({"step": step, "copy": copy})
+    rate = 2 * sets.nbytes / seconds["copy"]
     least = (mdp.next_state.nbytes + 2 * sets.nbytes) / rate
-    note = (
-        f"{mdp.states:,} states, {words} words, {threads} threads; copying: {rate / 1e9:.3g} GB/s"
-    )
-    return [Result("packed bits, share of memory's bound", least / best_seconds(step), "", note)]
+    note = f"{mdp.states:,} states, {words} words, {threads} threads"
+    return [
+        Result.of("packed bits, share of memory's bound", least / seconds["step"], "", note),
+        Result.of("copying as much", rate / 1e9, "GB/s", f"{threads} threads"),
+    ]
 
 
 def room(side: int) -> World:

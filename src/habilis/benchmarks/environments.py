@@ -5,8 +5,8 @@ from collections.abc import Callable
 import gymnasium
 import numpy as np
 
-from habilis.benchmarks import Result
-from habilis.benchmarks.apart import alternating, measured_apart
+from habilis.benchmarks import Result, times
+from habilis.benchmarks.apart import measured_apart
 from habilis.envs import EmpowermentReward, WorldEnv, WorldVectorEnv
 
 MANY = 1_024
@@ -38,7 +38,7 @@ def on_one_processor() -> list[Result]:
         ),
         "loop": _together(gymnasium.make_vec("FrozenLake-v1", **together), _LOOPED, random),
     }
-    seconds = alternating(calls, rounds=3)
+    seconds = times(calls)
     many = {"next": _ROUNDS, "same": _ROUNDS, "bonus": _ROUNDS, "loop": _LOOPED}
     rate = {name: (many[name] * MANY if name in many else _STEPS) / seconds[name] for name in calls}
     alone, frozen = "one environment, unwrapped", "Gymnasium's FrozenLake, unwrapped"
@@ -53,7 +53,7 @@ def on_one_processor() -> list[Result]:
         (f"{MANY:,} FrozenLakes in a SyncVectorEnv", rate["loop"], "steps/s", ""),
         ("ours / SyncVectorEnv", rate["next"] / rate["loop"], "x", "next-step reset"),
     ]
-    return [Result(*row) for row in rows]
+    return [Result.of(*row) for row in rows]
 
 
 def _alone(env: gymnasium.Env, random: np.random.Generator) -> Callable[[], None]:

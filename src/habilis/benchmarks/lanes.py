@@ -6,12 +6,11 @@ lanes than fit its caches cost as much each, and `train` has five; a GPU needs t
 """
 
 import time
-from collections.abc import Callable
 
 import jax
 import numpy as np
 
-from habilis.benchmarks import Result
+from habilis.benchmarks import Result, time_of
 from habilis.benchmarks.learning import A2C, CONFIG, UPDATES, Loop, steps_a_second
 from habilis.learning.batches import LANES
 from habilis.learning.convergence import Averages
@@ -43,10 +42,10 @@ def _measured(lanes: int, device: str) -> list[Result]:
     began = time.perf_counter()
     loop.train()
     first = time.perf_counter() - began
-    best = _seconds(loop.train, 3)
+    seconds = time_of(loop.train)
     steps = lanes * UPDATES * A2C.envs * A2C.rollout
     return [
-        Result(f"training, {lanes:,} lanes", steps / best / 1e6, "M steps/s", device),
+        Result.of(f"training, {lanes:,} lanes", steps / seconds / 1e6, "M steps/s", device),
         Result(f"training, {lanes:,} lanes, first call", first, "s", "compiling included"),
     ]
 
@@ -68,19 +67,11 @@ def _books() -> list[Result]:
     episodes, _ = ledger.entries(running, transition, truncated)
     returns = np.tile(episodes[:, 1], -(-1_000 // max(1, len(episodes))))[:1_000]
     before, _ = before.after(returns, job.best_return)  # it is compiled here
-    summing = _seconds(lambda: ledger.entries(running, transition, truncated), 50)
-    looking = _seconds(lambda: before.after(returns, job.best_return), 50)
+    summing = time_of(lambda: ledger.entries(running, transition, truncated), 50)
+    looking = time_of(lambda: before.after(returns, job.best_return), 50)
     return [
-        Result("summing up episodes", summing * 1e3, "ms", f"{transition.size:,} steps of a lane"),
-        Result("looking for convergence", looking * 1e3, "ms", "1,000 more episodes of a run"),
+        Result.of(
+            "summing up episodes", summing * 1e3, "ms", f"{transition.size:,} steps of a lane"
+        ),
+        Result.of("looking for convergence", looking * 1e3, "ms", "1,000 more episodes of a run"),
     ]
-
-
-def _seconds(call: Callable[[], object], times: int) -> float:
-    """The least that a call takes, of so many."""
-    best = float("inf")
-    for _ in range(times):
-        began = time.perf_counter()
-        call()
-        best = min(best, time.perf_counter() - began)
-    return best

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from habilis.benchmarks import Result, best_seconds
+from habilis.benchmarks import Result, times
 from habilis.models import explore
 
 
@@ -63,10 +63,11 @@ LARGE = Counters((4,) * 10 + (3, 4))
 def results() -> list[Result]:
     lines = []
     transitions = SMALL.actions * int(np.prod(SMALL.sizes))
-    for name, model in (("vectorised", SMALL), ("scalar", CountersOneByOne(SMALL))):
-        seconds = best_seconds(lambda model=model: explore(model), 3)
+    one_by_one = CountersOneByOne(SMALL)
+    calls = {"vectorised": lambda: explore(SMALL), "scalar": lambda: explore(one_by_one)}
+    for name, seconds in times(calls).items():
         note = f"6 variables, {transitions:,} transitions"
-        lines.append(Result(f"explore, {name}", transitions / seconds / 1e6, "M/s", note))
+        lines.append(Result.of(f"explore, {name}", transitions / seconds / 1e6, "M/s", note))
     began = time.perf_counter()
     mdp = explore(LARGE, max_states=20_000_000)
     seconds = time.perf_counter() - began

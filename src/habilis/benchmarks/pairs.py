@@ -4,8 +4,7 @@ import numpy as np
 
 from habilis.analysis.averages import compare
 from habilis.analysis.pairs import pairs
-from habilis.benchmarks import Result
-from habilis.benchmarks.apart import alternating
+from habilis.benchmarks import Result, times
 from habilis.worlds.world import World
 
 _HORIZON = 12
@@ -43,17 +42,16 @@ def results() -> list[Result]:
     world = World.parse(_ROOM, "room")
     found = pairs(world, _HORIZON)
     assert np.array_equal(found.averages, one_by_one(world, _HORIZON))
-    seconds = alternating(
+    seconds = times(
         {
             "ours": lambda: pairs(world, _HORIZON),
             "apart": lambda: one_by_one(world, _HORIZON),
-        },
-        rounds=3,
+        }
     )
     of = f"{len(found.tools) - 1} tools and none by {len(found.objects)} objects, 10x10"
     return [
-        Result(f"pairs, h = 1 to {_HORIZON}", seconds["ours"], "s", f"{of}, all measures"),
-        Result(
+        Result.of(f"pairs, h = 1 to {_HORIZON}", seconds["ours"], "s", f"{of}, all measures"),
+        Result.of(
             f"pairs, h = 1 to {_HORIZON}: each pair and h alone / ours",
             seconds["apart"] / seconds["ours"],
             "times",

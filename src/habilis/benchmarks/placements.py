@@ -1,8 +1,6 @@
 """Three tools and two objects: the table of all that can be reached, beside a plain search."""
 
-import time
-
-from habilis.benchmarks import Result, best_seconds
+from habilis.benchmarks import Result, times
 from habilis.worlds.grid import STEPS
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import Cell, World
@@ -26,17 +24,15 @@ Placement = tuple[Cell, tuple[Cell, ...], tuple[Cell, ...], int]
 def results() -> list[Result]:
     world = World.parse(ROOM, "room")
     mdp = tabulate(world)
-    seconds = best_seconds(lambda: tabulate(world), 3)
-    began = time.perf_counter()
-    plain = plain_search(world)
-    searched = time.perf_counter() - began
-    assert len(plain) == mdp.states
+    assert len(plain_search(world)) == mdp.states
+    seconds = times({"ours": lambda: tabulate(world), "plain": lambda: plain_search(world)})
+    ours, plain = seconds["ours"], seconds["plain"]
     of = f"3 tools and 2 objects, 5x5, {mdp.states:,} placements"
     return [
-        Result("tabulate, several things", mdp.states / seconds / 1e6, "M states/s", of),
-        Result(
+        Result.of("tabulate, several things", mdp.states / ours / 1e6, "M states/s", of),
+        Result.of(
             "tabulate, several things: plain search / ours",
-            searched / seconds,
+            plain / ours,
             "times",
             f"breadth first in plain Python, a dictionary of placements; {of}",
         ),

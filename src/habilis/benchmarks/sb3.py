@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from habilis.benchmarks import Result
-from habilis.benchmarks.apart import alternating, measured_apart
+from habilis.benchmarks import Result, time_of, times
+from habilis.benchmarks.apart import measured_apart
 from habilis.extras import MissingExtraError
 from habilis.worlds.table import tabulate
 from habilis.worlds.world import load_world
@@ -26,13 +26,15 @@ def results() -> list[Result]:
     from habilis.benchmarks.learning import steps_a_second
 
     agent = _agent()
-    theirs = STEPS / alternating({"sb3": lambda: agent.learn(STEPS)}, rounds=3)["sb3"]
-    ours = steps_a_second()
+    theirs = STEPS / time_of(lambda: agent.learn(STEPS))
+    ours = np.array([steps_a_second() for _ in theirs])
     return [
         *measured_apart(__name__, "on_one_processor"),
-        Result("Stable-Baselines3 A2C, all processors", theirs, "steps/s", "torch's own threads"),
-        Result("ours, all processors", ours, "steps/s", "all of train()"),
-        Result("ours / Stable-Baselines3 A2C, all processors", ours / theirs, "x", ""),
+        Result.of(
+            "Stable-Baselines3 A2C, all processors", theirs, "steps/s", "torch's own threads"
+        ),
+        Result.of("ours, all processors", ours, "steps/s", "all of train()"),
+        Result.of("ours / Stable-Baselines3 A2C, all processors", ours / theirs, "x", ""),
     ]
 
 
@@ -53,19 +55,21 @@ def on_one_processor() -> list[Result]:
                 env.reset()
 
     calls = {"ours": loop.train, "sb3": lambda: agent.learn(STEPS), "environment": wander}
-    seconds = alternating(calls, rounds=3)
+    seconds = times(calls)
     ours, theirs = OURS / seconds["ours"], STEPS / seconds["sb3"]
     alone = len(actions) / seconds["environment"]
     return [
-        Result(
+        Result.of(
             "Stable-Baselines3 A2C, one processor",
             theirs,
             "steps/s",
             "policy and value apart, as it has them",
         ),
-        Result("ours, one processor", ours, "steps/s", ON),
-        Result("ours / Stable-Baselines3 A2C, one processor", ours / theirs, "x", ""),
-        Result("the environment that it steps, alone", alone, "steps/s", "not what takes its time"),
+        Result.of("ours, one processor", ours, "steps/s", ON),
+        Result.of("ours / Stable-Baselines3 A2C, one processor", ours / theirs, "x", ""),
+        Result.of(
+            "the environment that it steps, alone", alone, "steps/s", "not what takes its time"
+        ),
     ]
 
 

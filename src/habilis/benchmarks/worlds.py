@@ -1,6 +1,6 @@
 """Tables: placements a second."""
 
-from habilis.benchmarks import Result, best_seconds, placements
+from habilis.benchmarks import Result, placements, time_of
 from habilis.benchmarks.counting import room
 from habilis.worlds.plans import solve
 from habilis.worlds.table import tabulate
@@ -11,9 +11,9 @@ def results() -> list[Result]:
     lines = []
     for world in (load_world("corridor"), room(24)):
         mdp = tabulate(world)
-        seconds = best_seconds(lambda world=world: tabulate(world), 3)
+        seconds = time_of(lambda world=world: tabulate(world))
         note = f"{world.name}, {mdp.states:,} states, one core"
-        lines.append(Result("tabulate", mdp.states / seconds / 1e6, "M states/s", note))
+        lines.append(Result.of("tabulate", mdp.states / seconds / 1e6, "M states/s", note))
     mdp = tabulate(load_world("corridor"))
-    lines.append(Result("solve", 1e3 * best_seconds(lambda: solve(mdp)), "ms", "corridor"))
+    lines.append(Result.of("solve", 1e3 * time_of(lambda: solve(mdp)), "ms", "corridor"))
     return lines + placements.results()
