@@ -228,6 +228,10 @@ VERBS = {  # every verb that writes, and what it needs besides
     "futures": ["futures", "yard", "--horizon", "9", "--sensor", "object", "--out"],
     "estimators": ["estimators", "--quick", "--out"],
     "compare": ["compare", "yard", "--pairs", "--horizon", "9", "--out"],
+    "empowerment work": ["empowerment", "yard", "--horizon", "9", "--work"],
+    "landscape work": ["landscape", "yard", "--horizon", "9", "--work"],
+    "estimators work": ["estimators", "--quick", "--work"],
+    "compare work": ["compare", "yard", "--horizon", "9", "--work"],
     "watch gif": ["watch", "run", "--gif"],
     "watch mp4": ["watch", "run", "--mp4"],
     "plot": ["plot", "run", "--out"],
@@ -240,6 +244,7 @@ VERBS = {  # every verb that writes, and what it needs besides
 }
 SUFFIXES = {"empowerment": ".csv", "watch gif": ".gif", "watch mp4": ".mp4"}
 WRITES_FOLDERS = ("train", "sweep", "reproduce", "study", "reconstruct", "studio")
+WRITES_FOLDERS += tuple(verb for verb in VERBS if verb.endswith(" work"))
 WRITES_FILES = [verb for verb in VERBS if verb not in WRITES_FOLDERS]
 
 
@@ -264,7 +269,7 @@ def test_every_verb_that_writes_is_tried_here():
         words = next((words for name, words in VERBS.items() if name.split()[0] == verb), None)
         known = [verb, *helps.get(verb, [])] if words is None else [*words, "x"]
         args = vars(parser().parse_args(known))
-        written = {name for name in ("out", "gif", "mp4") if name in args}
+        written = {name for name in ("out", "gif", "mp4", "work") if name in args}
         assert written == set(args.get("writes", {})), verb
         assert bool(written) == (words is not None), verb
 

@@ -22,7 +22,7 @@ from habilis.empowerment.goal_directed import goal_directed_empowerment
 from habilis.empowerment.horizons import empowerment_by_horizon
 from habilis.empowerment.limits import Limits, watched
 from habilis.empowerment.tabular.persistence import persistence
-from habilis.progress import progress_bar
+from habilis.progress import Pace, progress_bar
 from habilis.worlds.reach import reachable
 from habilis.worlds.rules import Grid
 
@@ -50,6 +50,34 @@ def test_what_is_done_at_once_shows_no_bar(terminal, capsys, monkeypatch: pytest
     with progress_bar("beans", True) as report:
         report(3, 8)
     assert capsys.readouterr().err == ""
+
+
+def test_a_bar_of_tasks_shows_the_time_that_is_left(
+    terminal, capsys, monkeypatch: pytest.MonkeyPatch
+):
+    with progress_bar("beans", True, time_left=True) as report:
+        time.sleep(0.2)
+        with monkeypatch.context() as patch:
+            patch.setattr(progress.Pace, "seconds_left", lambda self, now: 3723.4)
+            report(3, 8)
+            time.sleep(0.3)
+    assert "1:02:03 left" in capsys.readouterr().err
+
+
+def test_the_time_left_is_that_of_the_pace_and_what_was_found_finished_does_not_count():
+    pace = Pace()
+    pace.report(100, 0, 100)
+    assert pace.seconds_left(100) is None
+    for done in range(1, 51):  # which were on the disk
+        pace.report(100.1, done, 100)
+    for done in range(51, 61):
+        pace.report(100 + 7 * (done - 50), done, 100)
+    assert pace.seconds_left(170) == pytest.approx(40 * 7)
+    assert pace.seconds_left(173) == pytest.approx(40 * 7 - 3)
+    assert pace.seconds_left(1000) == 0
+    for done in range(61, 81):  # twice as fast
+        pace.report(170 + 3.5 * (done - 60), done, 100)
+    assert pace.seconds_left(240) == pytest.approx(20 * 3.5)
 
 
 def test_without_being_asked_for_there_is_no_bar(terminal, capsys):

@@ -228,7 +228,7 @@ def check_unused(folder: str | Path, but: Collection[str] = ()) -> None:
     if any(name not in but and not any(is_partial(name, of) for of in but) for name in names):
         raise ValueError(
             f"{folder}: exists already; name a new folder, or remove it "
-            "(train, sweep and study continue theirs with --resume)"
+            "(--resume continues what was interrupted there)"
         )
 
 

@@ -1,6 +1,11 @@
 """Estimators held against the truth, in Python and on the command line."""
 
 import json
+import pickle
+import subprocess
+import sys
+import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +16,8 @@ import pytest
 import habilis as hb
 from habilis.cli import main
 from habilis.estimators import FirstAction, RandomSequences, VarianceProxy, contestants
+from habilis.estimators.evaluation.tasks import tasks_of
+from habilis.tasks.shared import packed, unpacked
 
 OWN = """
 import numpy as np
@@ -41,7 +48,7 @@ class Fixed:
 
     kind, target = "approximation", "capacity"
 
-    def __init__(self, bits):
+    def __init__(self, bits: Any):
         self.given = bits
 
     def fit(self, simulator, horizon, sensor="state", *, seed) -> Any:
@@ -200,3 +207,69 @@ def test_refusals_are_one_line(arguments: str, message: str, folder: Path, capsy
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
+
+
+def carried_over(tasks, done, stopped) -> None:
+    """An executor that runs a task as another process would receive it."""
+    for task in tasks:
+        content, values = packed(task)
+        there = {key: pickle.loads(pickle.dumps(one.value)) for key, one in values.items()}
+        result = unpacked(content, there.__getitem__).run()
+        task.check(result)
+        done(task.name, result)
+
+
+def test_tasks_give_the_same_table_but_for_the_seconds():
+    cases = hb.suite(["maze", "lake-effective"])
+    some = {name: contestants(True)[name] for name in ("counting", "first-action")}
+    here = hb.evaluate(some, cases, seeds=2)
+    there = hb.evaluate(some, cases, seeds=2, executor=carried_over)
+    assert here["reason"].is_not_null().sum() == 2
+    assert there.drop("seconds").equals(here.drop("seconds"))
+
+
+def test_a_continuous_case_is_carried_too(capsys):
+    command = ["estimators", "--estimator", "gaussian", "--cases", "gauss-2", "--quick", "--json"]
+    whole = [sys.executable, "-m", "habilis", *command, "--processes", "1"]
+    there = json.loads(subprocess.run(whole, capture_output=True, check=True).stdout)["results"]
+    assert main(command) == 0
+    here = json.loads(capsys.readouterr().out)["results"]
+    assert [row | {"seconds": 0} for row in there] == [row | {"seconds": 0} for row in here]
+
+
+def test_what_cannot_be_carried_is_a_reason():
+    (maze,) = hb.suite(["maze"])
+    locked = Fixed(threading.Lock())
+    (row,) = hb.evaluate(locked, [maze], seeds=1, executor=carried_over).rows(named=True)
+    assert row["reason"].startswith("Fixed cannot be carried to another process (")
+
+
+def test_names_of_tasks_are_those_of_estimator_case_and_seed():
+    maze, other = hb.suite(["maze", "maze-10"])
+
+    counting = hb.Counting()
+
+    def names(estimator: Any = counting, case=maze, seeds=(0,)) -> list[str]:
+        return [task.name for task in tasks_of("any name", estimator, case, seeds)]
+
+    assert names() == names()
+    each = [
+        names(hb.Counting(sequences=7)),
+        names(case=other),
+        names(case=replace(maze, bits=maze.bits + 1)),
+        names(case=replace(maze, simulator=other.simulator, sensor="agent")),
+        names(seeds=(1, 2)),
+        names(Fixed(maze.bits)),
+        names(Fixed(maze.bits + 1)),
+    ]
+    assert len({*names(), *(name for found in each for name in found)}) == 9
+
+
+def test_ones_own_estimator_is_carried_to_processes_that_do_not_have_its_file(folder: Path, capsys):
+    command = ["estimators", "--estimator", "mine.py:Off", "--cases", "maze", "--json"]
+    assert main(command) == 0
+    here = json.loads(capsys.readouterr().out)["results"]
+    assert main([*command, "--processes", "1", "--work", "work"]) == 0
+    there = json.loads(capsys.readouterr().out)["results"]
+    assert [row | {"seconds": 0} for row in there] == [row | {"seconds": 0} for row in here]
+    assert len(list((folder / "work" / "tasks").glob("*.npz"))) == 3

@@ -1,9 +1,11 @@
 """The engine, on tasks that have nothing to do with learning."""
 
 import os
+import pickle
 import re
+import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +14,9 @@ import pytest
 import habilis.tasks
 from habilis.interruption import Interrupted
 from habilis.tasks.local import processes
-from habilis.tasks.session import Layout, opened
-from habilis.tasks.task import Executor, Task, in_turn
+from habilis.tasks.session import Layout, kept_in, opened
+from habilis.tasks.shared import Shared, packed, read, unpacked, write
+from habilis.tasks.task import Executor, Task, in_turn, results_of
 
 LAYOUT = Layout("squares", mark="squares.txt")
 
@@ -61,7 +64,7 @@ def test_the_engine_knows_nothing_of_what_it_computes():
     sources = [path.read_text() for path in Path(habilis.tasks.__file__ or "").parent.glob("*.py")]
     assert len(sources) > 3
     imported = {name for text in sources for name in re.findall(r"habilis\.([a-z]+)", text)}
-    assert imported == {"files", "interruption", "tasks"}
+    assert imported == {"files", "interruption", "lazy", "tasks"}
 
 
 def test_a_task_and_an_executor_are_protocols():
@@ -170,3 +173,95 @@ def test_a_task_that_loses_process_after_process_is_given_up(tmp_path):
         line = "the square of 7: 3 processes were lost at this task; give fewer --processes"
         with pytest.raises(ValueError, match=line):
             session.compute([Lost(7)])
+
+
+@dataclass(frozen=True)
+class Total(Square):
+    """One that adds up many numbers that others add up too."""
+
+    numbers: Shared[np.ndarray] = field(default_factory=lambda: Shared("none", np.zeros(0)))
+
+    def run(self):
+        base = self.numbers.value
+        while isinstance(base, np.ndarray):
+            base = base.base
+        found = {"number": self.number, "square": self.numbers.value.sum()}
+        return {
+            name: np.array(value) for name, value in (found | {"in": type(base).__name__}).items()
+        }
+
+
+def test_what_tasks_share_is_no_part_of_what_is_sent_for_each():
+    numbers = Shared("ones", np.ones(1_000_000))
+    content, values = packed(Total(3, numbers))
+    assert len(content) < 500
+    assert values == {"ones": numbers}
+    again = unpacked(content, {"ones": np.ones(5)}.__getitem__)
+    assert again.number == 3
+    assert again.numbers.key == "ones"
+    assert again.run()["square"] == 5
+    assert packed(Square(3)) == (pickle.dumps(Square(3), 5), {})
+
+
+@pytest.mark.parametrize("value", [{"some": np.arange(7), "none": np.zeros(0), "text": "a"}, 5, []])
+def test_a_shared_value_is_read_from_its_file_as_it_was(tmp_path, value):
+    path = tmp_path / "value"
+    with path.open("wb") as file:
+        write(value, file)
+    found = read(path)
+    assert type(found) is type(value)
+    assert repr(found) == repr(value)
+    if isinstance(value, dict):
+        found["some"][0] = 9  # a copy of this process
+        assert read(path)["some"][0] == 0
+
+
+def test_processes_map_what_tasks_share_and_leave_nothing_behind(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    first, second = Shared("ones", np.ones(300)), Shared("twos", np.full(300, 2.0))
+    results = {}
+    with processes(1) as executor:
+        for shared in (first, second, second):
+            tasks = [Total(number, shared) for number in range(4)]
+            results[shared.key] = results_of(tasks, executor)
+        (folder,) = tmp_path.iterdir()
+        assert [path.stat().st_size > 2400 for path in folder.iterdir()] == [True], (
+            "of the last two"
+        )
+    totals = {key: {int(one["square"]) for one in each.values()} for key, each in results.items()}
+    assert totals == {"ones": {300}, "twos": {600}}
+    bases = {str(one["in"]) for each in results.values() for one in each.values()}
+    assert bases == {"memoryview"}
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_results_are_those_of_every_task_once(tmp_path):
+    progress = []
+    results = results_of([*SQUARES, *SQUARES], in_turn, lambda *pair: progress.append(pair))
+    assert squares(results) == ALL
+    assert progress == [(done, 5) for done in range(6)]
+    line = "the square of 3: the executor did not run it, nor 1 others; let it call done"
+    with pytest.raises(ValueError, match=line):
+        results_of(SQUARES, lambda tasks, done, stopped: in_turn(tasks[:3], done))
+
+
+def test_an_executor_that_is_kept_runs_no_task_again(tmp_path):
+    ran = []
+
+    def executor(tasks, done, stopped):
+        ran.extend(task.number for task in tasks)
+        in_turn(tasks, done, stopped)
+
+    with kept_in(tmp_path / "work", executor) as kept:
+        assert squares(results_of(SQUARES[:2], kept)) == {"square-0": 0, "square-1": 1}
+        assert squares(results_of(SQUARES[:3], kept)) == {
+            "square-0": 0,
+            "square-1": 1,
+            "square-2": 4,
+        }
+    with kept_in(str(tmp_path / "work"), executor, resume=True) as kept:
+        assert squares(results_of(SQUARES, kept)) == ALL
+    assert ran == [0, 1, 2, 3, 4]
+    idle = kept_in(tmp_path / "other", lambda tasks, done, stopped: None)
+    with idle as kept, pytest.raises(Interrupted, match="0 of 5 tasks are kept in"):
+        results_of(SQUARES, kept)

@@ -32,7 +32,7 @@ def average_empowerment(
         mdp: a world's table.
         horizon: h, in actions.
         sensor: as in `empowerment`.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         Bits, or nats where these are asked for.
@@ -86,7 +86,7 @@ def compare(
             tools of one's own; "none" is the bare agent.
         horizon: h, in actions.
         slip: as in `tabulate`.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         Bits by the tool's name (as in `World.tools` or `World.with_tool`): the average over all

@@ -40,7 +40,7 @@ def latency(
         mdp: the table.
         horizon: the largest h that is tried.
         sensor, actions, states: as in `empowerment`.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         float64[n], infinity where no h up to the horizon has any.
@@ -81,7 +81,7 @@ def influence_range(
         mdp: a world's table.
         horizon: h, in actions.
         sensor: the factor of the object.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         Rows plus columns, 0 if there is no influence from anywhere.
@@ -129,7 +129,7 @@ def reliability(world: World, horizon: int, slip: float = 0.0, **options: Unpack
         world: the map, of one object and at most one tool.
         horizon: h, in actions.
         slip: as in `tabulate`.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         1 where nothing fails; NaN where there is nothing to lose. Where actions slip it is at

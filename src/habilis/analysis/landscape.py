@@ -79,7 +79,7 @@ def landscape(
         player, others: as in `empowerment`, of a map with two agents or a table of several players.
             The cells are those of "agent", whichever player it is.
         ax: Matplotlib axes to draw it on at once (see `Landscape.draw`).
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         The values by cell, with the world and what was asked for.

@@ -211,7 +211,7 @@ def pairs(
             agent. By default the world's own and "none".
         objects: names of the world's objects; by default all.
         slip: as in `tabulate`; tools that may fail do so besides.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         The values of all pairs.

@@ -88,7 +88,7 @@ def usefulness(
         world: the map, with a tool.
         horizon: h, in actions.
         slip: as in `tabulate`.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         Both empowerments of every placement with the tool in hand, and what they say of the tool.

@@ -29,6 +29,7 @@ from habilis.cli import (
     worlds,
 )
 from habilis.cli.arguments import Args
+from habilis.cli.executors import executor_opened
 from habilis.cli.output import check_outputs, compiling_announced, refuse
 from habilis.empowerment.methods import Sampled
 from habilis.extras import MissingExtraError
@@ -100,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         flags, lacks = args.flags, getattr(args, "lacks", ())
         args.command = list(sys.argv[1:] if arguments is None else arguments)
         check_outputs(args)
-        with compiling_announced(args):
+        with compiling_announced(args), executor_opened(args):
             status = args.verb(args)
         sys.stdout.flush()
         return status
@@ -114,8 +115,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return refuse(f"{error}; check the place and the numbers given")
     except MemoryError:
         return refuse("not enough memory; make the world or the horizon smaller")
-    except KeyboardInterrupt:
-        return refuse("interrupted", status=130)
+    except KeyboardInterrupt as stop:
+        return refuse(str(stop) or "interrupted", status=128 + getattr(stop, "signal", 2))
 
 
 def parser() -> argparse.ArgumentParser:

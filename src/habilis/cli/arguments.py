@@ -157,7 +157,9 @@ def measure_options(args: Args) -> Any:
     """The arguments of `habilis.empowerment` that options of the verb give."""
     kind = Sampled if getattr(args, "method", "exact") == "sampled" else Exact
     method = kind(**{f.name: getattr(args, f.name) for f in fields(kind) if f.name in args})
-    return {"method": method, "unit": args.unit, "show_progress": shows_progress(args)}
+    options = {"method": method, "unit": args.unit, "show_progress": shows_progress(args)}
+    executor = getattr(args, "executor", None)
+    return options if executor is None else options | {"executor": executor}
 
 
 def cells_of(world: World, kind: str, places: list[tuple[str, Cell]] | None) -> Where | None:

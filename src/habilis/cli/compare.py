@@ -19,6 +19,7 @@ from habilis.cli.arguments import (
     parse_words,
 )
 from habilis.cli.compare_robots import SUFFIX, check, run_robots
+from habilis.cli.executors import OPTIONS, add_executor
 from habilis.cli.output import lower_bounds, print_json, print_written, save, shows_progress
 from habilis.cli.puzzles import puzzle_of
 from habilis.files import PICTURES, TABLES
@@ -65,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(writes={"out": (*PICTURES, *TABLES)})
     add_slip(parser)
     add_options(parser)
+    add_executor(parser)
 
 
 def run(args: Args) -> int:
@@ -75,7 +77,7 @@ def run(args: Args) -> int:
     check(args)
     if args.world.endswith(SUFFIX):
         return run_robots(args)
-    puzzle = puzzle_of(args, args.world, ("tools", "pairs", "slip", "out"))
+    puzzle = puzzle_of(args, args.world, ("tools", "pairs", "slip", "out", *OPTIONS))
     if puzzle is not None:
         return _run_ranking(args, puzzle)
     for given in ("target", "max_states"):

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from habilis.cli.arguments import Args
+from habilis.cli.executors import OPTIONS
 from habilis.cli.output import print_json, print_written, save, shows_progress
 from habilis.files import PICTURES
 
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
 SUFFIX = ".xml"
 _HORIZON, _SIDE, _SEEDS = 8, 8, 4
-_FOR_WORLDS = ("target", "max_states", "pairs", "slip")
+_FOR_WORLDS = ("target", "max_states", "pairs", "slip", *OPTIONS)
 
 
 def run_robots(args: Args) -> int:

@@ -22,6 +22,7 @@ from habilis.cli.arguments import (
     max_states,
     measure_options,
 )
+from habilis.cli.executors import add_executor
 from habilis.cli.output import lower_bounds, print_json, print_written, shows_progress
 from habilis.cli.puzzles import puzzle_of
 from habilis.empowerment.kinds import OPEN_LOOP, WHOLE, checked_kind, named, of_kind
@@ -50,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, metavar="F.csv", help="all values (.csv, .parquet, .npz, .npy)"
     )
     parser.set_defaults(writes={"out": TABLES})
+    add_executor(parser)
 
 
 def run(args: Args) -> int:

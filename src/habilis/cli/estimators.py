@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from habilis.cli.arguments import Args, parse_words
+from habilis.cli.executors import add_executor
 from habilis.cli.output import print_json, print_written, save, shows_progress
 from habilis.files import PICTURES
 from habilis.progress import progress_bar
@@ -37,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "table (.csv, .parquet) or picture (.png, .svg, .pdf); repeatable"
     parser.add_argument("--out", type=Path, action="append", default=[], metavar="F.csv", help=text)
     parser.set_defaults(writes={"out": (*_TABLES, *PICTURES)})
+    add_executor(parser)
 
 
 def run(args: Args) -> int:
@@ -50,7 +52,7 @@ def run(args: Args) -> int:
     with progress_bar("cases", show):
         cases = suite(names)
     with _own_code(args):
-        table = evaluate(chosen, cases, seeds, show_progress=show)
+        table = evaluate(chosen, cases, seeds, executor=args.executor, show_progress=show)
     for path in args.out:
         save(path, lambda path: _write(table, path))
     if args.json:

@@ -19,6 +19,7 @@ from habilis.cli.arguments import (
     horizon_of,
     measure_options,
 )
+from habilis.cli.executors import add_executor
 from habilis.cli.output import print_json, print_written, save, shows_progress
 from habilis.cli.puzzles import placed, puzzle_of
 from habilis.files import PICTURES, TABLES
@@ -40,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     kinds = "picture (.png, .svg, .pdf) or values (.csv, .parquet, .npz, .npy)"
     parser.add_argument("--out", type=Path, metavar="F.png", help=kinds)
     parser.set_defaults(writes={"out": (*PICTURES, *TABLES)})
+    add_executor(parser)
 
 
 def run(args: Args) -> int:

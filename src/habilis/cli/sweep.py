@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from habilis.cli.arguments import Args
-from habilis.cli.output import print_json, refuse, shows_progress
+from habilis.cli.output import print_json, shows_progress
 from habilis.extras import import_from
 from habilis.files import FOLDER
 
@@ -30,10 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: Args) -> int:
     command = import_from("habilis.sweeps.command", "learn")
-    try:
-        result = command.run(args, shows_progress(args))
-    except KeyboardInterrupt as stop:
-        return refuse(str(stop) or "interrupted", status=128 + getattr(stop, "signal", 2))
+    result = command.run(args, shows_progress(args))
     if args.json:
         return print_json(result)
     command.show(result)

@@ -26,6 +26,7 @@ from habilis.estimators.protocol import Estimator, is_estimator
 from habilis.mdp import TabularMDP
 from habilis.models.explore import AnyModel, explore
 from habilis.progress import progress_bar
+from habilis.tasks.task import Executor
 from habilis.worlds.placements import Placement
 from habilis.worlds.reach import reachable
 from habilis.worlds.table import whole_table
@@ -47,6 +48,7 @@ class Options(TypedDict, total=False):
 
     unit: Unit
     method: Method
+    executor: Executor[Any] | None
     show_progress: bool
 
 
@@ -66,6 +68,7 @@ def empowerment(
     method: Method | Estimator = ...,
     return_gap: Literal[False] = ...,
     unit: Unit = ...,
+    executor: Executor[Any] | None = ...,
     show_progress: bool = ...,
 ) -> Bits: ...
 
@@ -86,6 +89,7 @@ def empowerment(
     method: Method = ...,
     return_gap: Literal[True],
     unit: Unit = ...,
+    executor: Executor[Any] | None = ...,
     show_progress: bool = ...,
 ) -> tuple[Bits, Bits]: ...
 
@@ -106,6 +110,7 @@ def empowerment(
     method: Method | Estimator = _EXACT,
     return_gap: bool = False,
     unit: Unit = "bits",
+    executor: Executor[Any] | None = None,
     show_progress: bool = False,
 ) -> Curves | tuple[Curves, Curves]:
     """The h-step empowerment of states, in bits.
@@ -168,6 +173,10 @@ def empowerment(
             `habilis.estimators.sensors`), and the value is what the estimator's `kind` says.
         return_gap: whether to return the certificate too.
         unit: "bits" or "nats", of values, gaps and tolerance.
+        executor: runs ranges of the states as tasks elsewhere, with the same values: in processes
+            (`habilis.tasks.processes`), on a Ray cluster (`on_ray`), kept on disk (`kept_in`). The
+            limits of the method and its threads, by default one, are then those of each task. What
+            is counted, without noise, is seldom worth it: states share most of that work.
         show_progress: whether to draw a progress bar on standard error, once it takes two seconds.
 
     Returns:
@@ -193,7 +202,7 @@ def empowerment(
     """
     horizon = whole_number("horizon", horizon)
     if is_estimator(method) and not isinstance(method, type):
-        foreign = (actions, cost, budget, player, others, return_gap, sensor_at != "end")
+        foreign = (actions, cost, budget, player, others, return_gap, sensor_at != "end", executor)
         return _estimated(model, horizon, sensor, states, method, foreign, unit, show_progress)
     scale, method = per_bit(unit), cast("Method", checked_method(method))
     if isinstance(model, TabularMDP):
@@ -204,11 +213,21 @@ def empowerment(
         from habilis.empowerment.players import against_others, played_by
 
         mdp, against = played_by(mdp, player, others, isinstance(model, TabularMDP))
-        if against is not None:
+        player, others = against or (None, None)
+        if against is not None and executor is None:
             plain = sensor_at == "end" and cost is None and budget is None
             one = mdp, *against, horizon, sensor, actions, states, method, scale, plain
             bits, gap = against_others(*one)
             return (bits, gap) if return_gap else bits
+    if executor is not None and not are_beliefs(states):
+        from habilis.empowerment.splitting import in_parts
+
+        output = {"sensor_at": sensor_at, "cost": cost, "budget": budget}
+        who = {"player": player, "others": others, "actions": actions}
+        given = {"horizon": horizon, "method": method, "unit": unit, **output, **who}
+        where = executor, show_progress
+        bits, gap = in_parts("empowerment", mdp, sensor, states, given, *where)
+        return (bits, gap) if return_gap else bits
     used = chosen_actions(mdp, actions)
     if sensor_at not in ("end", "each step"):
         raise ValueError(f"sensor_at is {sensor_at!r}; use 'end' or 'each step'")
@@ -221,6 +240,7 @@ def empowerment(
             raise ValueError(f"{what} needs every sequence; use method=hb.Exact()")
     if are_beliefs(states):
         options: Options = {"method": method, "unit": unit, "show_progress": show_progress}
+        options |= {"executor": executor}
         output = sensor_at, cost, budget
         bits, gap = _from_beliefs(mdp, horizon, sensor, used, states, output, options)
         return (bits, gap) if return_gap else bits
@@ -257,8 +277,8 @@ def _estimated(
 
     if any(one is not None and one is not False for one in foreign):
         raise ValueError(
-            "an estimator takes no actions, sensor_at, cost, budget, player, others or return_gap; "
-            "leave them out"
+            "an estimator takes no actions, sensor_at, cost, budget, player, others, return_gap or "
+            "executor; leave them out"
         )
     some = model, horizon, sensor, states, method
     return estimated_bits(*some, show_progress=show_progress) * per_bit(unit)

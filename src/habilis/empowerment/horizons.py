@@ -19,6 +19,7 @@ from habilis.empowerment.methods import Exact, checked_method
 from habilis.empowerment.noiseless import bits_of, question_of
 from habilis.empowerment.old_keywords import takes_old_keywords
 from habilis.empowerment.sensors import Sensor, is_noisy
+from habilis.empowerment.splitting import in_parts
 from habilis.mdp import TabularMDP
 from habilis.progress import in_percent, progress_bar
 
@@ -44,7 +45,7 @@ def empowerment_by_horizon(
         mdp: the table.
         horizon: h, the largest.
         sensor, actions, states: as in `empowerment`.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         float64[h + 1, n], row k that which `empowerment` gives for k actions.
@@ -104,6 +105,12 @@ def _counted(
         if mdp.is_stochastic or is_noisy(one) or not isinstance(method, Exact):
             return _each(mdp, horizon, one, actions, states, options)
         empowerment(mdp, 0, one, actions, [], **options)  # says what is wrong with any option
+        if (executor := options.get("executor")) is not None:
+            unit, show = options.get("unit", "bits"), options.get("show_progress", False)
+            given = {"horizon": horizon, "actions": actions, "method": method, "unit": unit}
+            some = mdp, one, states, given, executor, show
+            rows, _ = in_parts("empowerment_by_horizon", *some)
+            return np.ascontiguousarray(rows.T)
         starts, used = chosen_states(mdp, states), chosen_actions(mdp, actions)
         with progress_bar("empowerment", options.get("show_progress", False)) as bar:
             question = question_of(mdp, horizon, one, used, starts, method, in_percent(bar))

@@ -74,6 +74,8 @@ def of_kind(
         return empowerment(mdp, horizon, sensor, actions, states, return_gap=True, **some)
     if against is not None:
         raise ValueError(f"others is {against[1]!r} and kind {kind!r}; give the others a policy")
+    if options.get("executor") is not None:
+        raise ValueError(f"kind {kind!r} is of all states at once; leave out executor")
     method, unit = options.get("method", Exact()), options.get("unit", "bits")
     show = options.get("show_progress", False)
     if not isinstance(method, Exact):

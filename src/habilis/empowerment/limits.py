@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,10 @@ class TooMuchError(ValueError):
     def __init__(self, message: str, horizon: int, fitting: int):
         super().__init__(message)
         self.horizon, self.fitting = horizon, fitting
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickles, by which errors come back from other processes."""
+        return type(self), (self.args[0], self.horizon, self.fitting)
 
 
 def too_much(

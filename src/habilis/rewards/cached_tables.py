@@ -38,7 +38,7 @@ def kept_empowerment(
         horizon, sensor, actions: as in `empowerment`; of a sum or product of several sensors the
             values through each are kept.
         folder: where values are kept; by default `$XDG_CACHE_HOME/habilis`, or `~/.cache/habilis`.
-        **options: `method`, `unit` and `show_progress`, as in `empowerment`.
+        **options: `method`, `unit`, `executor` and `show_progress`, as in `empowerment`.
 
     Returns:
         float64[S], in bits.

@@ -28,7 +28,7 @@ def run(args: Namespace, show_progress: bool) -> dict[str, Any]:
     spec = read_spec(args.spec)
     LAYOUT.check(args.out, args.resume)  # before a cluster is started
     best: dict[str, Any] = {}
-    bar = progress_bar("tasks", show_progress)
+    bar = progress_bar("tasks", show_progress, time_left=True)
     with _executor(args) as executor, bar as on_progress:
         how: Any = {"executor": executor, "resume": args.resume, "on_progress": on_progress}
         if spec.search is None:

@@ -4,17 +4,23 @@ import os
 import resource
 import signal
 import sys
+import tempfile
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
 
+from habilis.files import writing
+from habilis.tasks import shared
+from habilis.tasks.shared import packed, unpacked
 from habilis.tasks.task import Arrays, Done, Executor, Stopped, Task
 
 MARGIN = 1.25
@@ -41,7 +47,8 @@ def processes(
     """An executor with processes of its own, each with one task at a time.
 
     The first process rehearses the largest task; the memory that this needs decides how many
-    others fit into what is available. A task whose process is lost is run again.
+    others fit into what is available. A task whose process is lost is run again. What tasks share
+    is written to a temporary file, which all processes map.
 
     Args:
         count: of processes, at most.
@@ -55,18 +62,20 @@ def processes(
         raise ValueError(f"processes is {count}; give at least 1")
     workers: list[_Worker] = []
     room: list[int] = []
+    written = _Written(tempfile.TemporaryDirectory(prefix="habilis-"))
 
     def run(tasks: Sequence[Task], done: Done, stopped: Stopped) -> None:
+        written.begin()
         if not room:
             workers.append(_start())
-            room.append(_how_many(count, workers[0], tasks, warn, stopped))
+            room.append(_how_many(count, workers[0], tasks, written, warn, stopped))
         waiting, lost = deque(tasks), dict[str, int]()
         while not stopped():
             while waiting and len(workers) < min(room[0], len(waiting) + _busy(workers)):
                 workers.append(_start())
             for worker in workers:
                 if worker.task is None and waiting:
-                    _give(worker, waiting.popleft())
+                    _give(worker, waiting.popleft(), written)
             if not _busy(workers):
                 return
             for pipe in wait([w.pipe for w in workers], _LOOK):
@@ -90,19 +99,56 @@ def processes(
         for worker in workers:
             worker.process.join()
             worker.pipe.close()
+        written.folder.cleanup()
+
+
+@dataclass(eq=False)
+class _Written:
+    """Files of what tasks share, for all processes of this machine to map.
+
+    Attributes:
+        folder: of the files.
+        files: by the keys of the values, of this call of the executor and of the one before.
+        used: the keys of this call.
+    """
+
+    folder: tempfile.TemporaryDirectory[str]
+    files: dict[str, Path] = field(default_factory=dict)
+    used: set[str] = field(default_factory=set)
+
+    def begin(self) -> None:
+        """A call of the executor begins: what the last one did not use is removed."""
+        for key in self.files.keys() - self.used:
+            self.files.pop(key).unlink()
+        self.used.clear()
+
+    def pack(self, task: Task) -> tuple[bytes, dict[str, Path]]:
+        """A task, and the files of what it shares with others."""
+        content, values = packed(task)
+        for key, one in values.items():
+            if key not in self.files:
+                path = Path(self.folder.name) / f"{len(self.files)}-{token_hex(4)}"
+                fix = "make room there, or let TMPDIR name another folder"
+                with writing(path, fix), path.open("wb") as file:
+                    shared.write(one.value, file)
+                self.files[key] = path
+        self.used |= values.keys()
+        return content, {key: self.files[key] for key in values}
 
 
 def _how_many(
     count: int,
     first: _Worker,
     tasks: Sequence[Task],
+    written: _Written,
     warn: Callable[[str], None],
     stopped: Stopped,
 ) -> int:
     """The number of processes that there is memory for."""
     if count == 1:
         return 1
-    first.pipe.send((_needed_memory, max(tasks, key=lambda task: task.size)))
+    largest = max(tasks, key=lambda task: task.size)
+    first.pipe.send((_needed_memory, *written.pack(largest)))
     while not first.pipe.poll(_LOOK):
         if stopped():
             return 1
@@ -146,10 +192,11 @@ def _start() -> _Worker:
     return _Worker(process, ours)
 
 
-def _give(worker: _Worker, task: Task) -> None:
+def _give(worker: _Worker, task: Task, written: _Written) -> None:
     worker.task = task
+    message = _run, *written.pack(task)
     with suppress(OSError):  # it is lost, which shows when its answer is read
-        worker.pipe.send((_run, task))
+        worker.pipe.send(message)
 
 
 def _answer(worker: _Worker) -> Any:
@@ -170,12 +217,17 @@ def _work(pipe: Connection) -> None:
     """The loop of a worker, until it is killed."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
-        function, task = pipe.recv()
+        function, content, files = pipe.recv()
         try:
-            answer = function(task)
+            answer = function(unpacked(content, lambda key: _value(files[key])))  # noqa: B023
         except Exception as error:
             answer = error
         pipe.send(answer)
+
+
+@lru_cache(2)
+def _value(path: Path) -> Any:
+    return shared.read(path)
 
 
 def _run(task: Task) -> Arrays:

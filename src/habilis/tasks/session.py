@@ -5,12 +5,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
-from habilis.files import check_folder, check_unused, writing
+from habilis.files import check_folder, check_unused, write_whole, writing
 from habilis.interruption import LOCK, Interrupted, locked, stop_signals
 from habilis.tasks import store
-from habilis.tasks.task import Arrays, Executor, OnProgress, Task
+from habilis.tasks.task import Arrays, Done, Executor, OnProgress, Stopped, Task
 
 T = TypeVar("T", bound=Task)
 
@@ -63,12 +63,18 @@ class Session(Generic[T]):
     stopped: Callable[[], int]
     results: dict[str, Arrays] = field(default_factory=dict)
 
-    def compute(self, tasks: Sequence[T], on_progress: OnProgress | None = None) -> None:
+    def compute(
+        self,
+        tasks: Sequence[T],
+        on_progress: OnProgress | None = None,
+        on_result: Done | None = None,
+    ) -> None:
         """Computes what is not finished yet of some tasks, and keeps each result at once.
 
         Args:
             tasks: whose results are to be in `results`.
             on_progress: called first, and after each task.
+            on_result: called with each result, first with those that are there already.
 
         Raises:
             Interrupted: by a signal, before all were finished.
@@ -84,7 +90,9 @@ class Session(Generic[T]):
         def finished() -> int:
             return sum(name in self.results for name in wanted)
 
-        def report() -> None:
+        def report(name: str | None = None) -> None:
+            if on_result is not None and name is not None:
+                on_result(name, self.results[name])
             if on_progress is not None:
                 on_progress(finished(), len(wanted))
 
@@ -93,9 +101,12 @@ class Session(Generic[T]):
                 with writing(self.folder):
                     store.write(name, result, self.place)
                 self.results[name] = result
-                report()
+                report(name)
 
         report()
+        if on_result is not None:
+            for name in wanted.keys() & self.results.keys():
+                on_result(name, self.results[name])
         missing = [task for name, task in wanted.items() if name not in self.results]
         if missing and not self.stopped():
             self.executor(missing, done, self.stopped)
@@ -128,3 +139,41 @@ def opened(
         place.mkdir(parents=True, exist_ok=True)
     with locked(folder), stop_signals() as stopped:
         yield Session(folder, place, executor, stopped)
+
+
+COMPUTATION = Layout("computation", mark="computation.txt")
+"""The layout of `kept_in`."""
+
+_ABOUT = """\
+Finished tasks of a computation of Habilis, in files named by a hash of what was asked.
+The same command with --resume goes on from here. The folder can be removed at any time.
+"""
+
+
+@contextmanager
+def kept_in(
+    folder: str | Path, executor: Executor[Any], *, resume: bool = False
+) -> Iterator[Executor[Any]]:
+    """An executor whose finished tasks are kept in a folder, so that a later one need not run them.
+
+    Tasks are recognised by their contents: a folder may have those of several computations.
+
+    Args:
+        folder: a new one, or with `resume` one that was begun this way.
+        executor: runs what is not there yet.
+        resume: whether to go on in an existing folder.
+
+    Raises:
+        ValueError: the folder is in use, holds something else, or cannot be written to.
+        Interrupted: a KeyboardInterrupt, while it is used: by Ctrl-C or SIGTERM; finished tasks
+            are kept.
+    """
+    with opened(Path(folder), COMPUTATION, executor, resume) as session:
+        mark = session.folder / COMPUTATION.mark
+        with writing(session.folder):
+            write_whole(mark, lambda file: file.write(_ABOUT.encode()))
+
+        def run(tasks: Sequence[Task], done: Done, stopped: Stopped) -> None:
+            session.compute(tasks, on_result=done)
+
+        yield run

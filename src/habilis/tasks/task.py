@@ -1,7 +1,7 @@
 """Tasks, and the executors that run them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -17,7 +17,11 @@ OnProgress = Callable[[int, int], None]
 
 @runtime_checkable
 class Task(Protocol):
-    """One of many independent computations, deterministic and picklable."""
+    """One of many independent computations, deterministic and picklable.
+
+    What it has in common with many others, such as a large table, it holds as
+    `habilis.tasks.shared.Shared`, so that it travels once.
+    """
 
     @property
     def name(self) -> str:
@@ -71,3 +75,39 @@ def in_turn(tasks: Sequence[Task], done: Done, stopped: Stopped = lambda: 0) -> 
         if stopped():
             return
         done(task.name, task.run())
+
+
+def results_of(
+    tasks: Sequence[Task], executor: Executor[Any], on_progress: OnProgress | None = None
+) -> dict[str, Arrays]:
+    """The results of some tasks, by name.
+
+    Args:
+        tasks: to be run, each once, however often it is among them.
+        executor: runs them.
+        on_progress: called first, and after each.
+
+    Raises:
+        ValueError: a task fails, or the executor left some out.
+    """
+    wanted = {task.name: task for task in tasks}
+    results: dict[str, Arrays] = {}
+
+    def report() -> None:
+        if on_progress is not None:
+            on_progress(len(results), len(wanted))
+
+    def done(name: str, result: Arrays) -> None:
+        results[name] = result
+        report()
+
+    if wanted:
+        report()
+        executor(list(wanted.values()), done, lambda: 0)
+    missing = [task.label for name, task in wanted.items() if name not in results]
+    if missing:
+        raise ValueError(
+            f"{missing[0]}: the executor did not run it, nor {len(missing) - 1} others; let it "
+            "call done for every task"
+        )
+    return results

@@ -1,36 +1,34 @@
 """Estimators held against the truth: bias, error, order of the states, and what they cost."""
 
-import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain, product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from habilis.empowerment.arguments import at_least_one, whole_number
 from habilis.estimators.evaluation.case import Case, suite
-from habilis.estimators.protocol import Estimator, is_estimator
-from habilis.estimators.simulators.metered import Metered
-from habilis.extras import MissingExtraError
+from habilis.estimators.evaluation.estimates import (
+    REFUSALS,
+    Contestant,
+    Estimates,
+    estimated,
+    refused,
+)
+from habilis.estimators.protocol import is_estimator
 from habilis.progress import progress_bar
 from habilis.statistics import bootstrap_interval, spearman
+from habilis.tasks.task import Executor, results_of
 
 if TYPE_CHECKING:
     import polars as pl
 
-Contestant = Estimator | Callable[[Case], Estimator]
-"""An estimator, or a function that sets one up for a case."""
+    from habilis.estimators.evaluation.tasks import EstimateTask
 
 MEASURES = ("bias", "rmse", "rank")
 
 _ALIKE = 1e-5  # bits: values that are closer have the same rank
-
-
-class _Found(NamedTuple):
-    kind: str
-    bits: Float64[np.ndarray, "n"]
-    seconds: float
-    steps: int
 
 
 def evaluate(
@@ -38,6 +36,7 @@ def evaluate(
     cases: Iterable[Case] | None = None,
     seeds: int | Sequence[int] = 3,
     *,
+    executor: Executor[Any] | None = None,
     show_progress: bool = False,
 ) -> "pl.DataFrame":
     """How far estimators are from known empowerment.
@@ -50,6 +49,8 @@ def evaluate(
             returns one, where settings depend on the case.
         cases: by default `suite()`.
         seeds: how many, from 0 up, or which. Each is a fit.
+        executor: runs each seed of an estimator and a case as a task elsewhere, as in
+            `empowerment`.
         show_progress: whether to draw a progress bar on standard error.
 
     Returns:
@@ -83,12 +84,55 @@ def evaluate(
         raise ValueError("seeds is empty; give at least one")
     asked = suite() if cases is None else list(cases)
     rows = []
+    if executor is not None:
+        rows = _rows_of_tasks(named, asked, numbers, executor, show_progress)
+        return pl.DataFrame(rows, schema=_schema())
     with progress_bar("estimators", show_progress) as report:
         for name, one in named.items():
             for case in asked:
                 report(len(rows), len(named) * len(asked))
-                rows.append({"estimator": name} | _row(one, case, numbers))
+                found = _until_refused(estimated(one, case, seed) for seed in numbers)
+                rows.append({"estimator": name} | _row(case, found, len(numbers)))
     return pl.DataFrame(rows, schema=_schema())
+
+
+def _rows_of_tasks(
+    named: Mapping[str, Contestant],
+    cases: Sequence[Case],
+    seeds: Sequence[int],
+    executor: Executor[Any],
+    show_progress: bool,
+) -> list[dict[str, Any]]:
+    """The rows, by tasks; the same, but for the seconds."""
+    from habilis.estimators.evaluation.tasks import tasks_of
+
+    tasks: dict[tuple[str, str], list[EstimateTask]] = {}
+    refusals: dict[tuple[str, str], Estimates] = {}
+    for case in cases:  # those of one case in a row, so that a process has it only once
+        for name, one in named.items():
+            try:
+                tasks[name, case.name] = tasks_of(name, one, case, seeds)
+            except REFUSALS as error:
+                refusals[name, case.name] = refused(error)
+    with progress_bar("tasks", show_progress, time_left=True) as report:
+        results = results_of([*chain(*tasks.values())], executor, report)
+    rows = []
+    for name, case in product(named, cases):
+        pair = name, case.name
+        found = [Estimates.of_arrays(results[task.name]) for task in tasks.get(pair, [])]
+        found = _until_refused([refusals[pair]] if pair in refusals else found)
+        rows.append({"estimator": name} | _row(case, found, len(seeds)))
+    return rows
+
+
+def _until_refused(found: Iterable[Estimates]) -> list[Estimates]:
+    """The estimates up to the first refusal, after which no other seed is tried."""
+    those: list[Estimates] = []
+    for one in found:
+        those.append(one)
+        if one.reason:
+            break
+    return those
 
 
 def _schema() -> dict[str, Any]:
@@ -104,37 +148,18 @@ def _name(estimator: Contestant) -> str:
     return getattr(estimator, "__name__", type(estimator).__name__)
 
 
-def _row(contestant: Contestant, case: Case, seeds: list[int]) -> dict[str, Any]:
-    row: dict[str, Any] = {"case": case.name, "target": case.target, "seeds": len(seeds)}
-    try:
-        found = [_estimated(contestant, case, seed) for seed in seeds]
-    except (ValueError, MissingExtraError, FloatingPointError) as error:
-        return row | {"reason": str(error).partition("\n")[0]}
+def _row(case: Case, found: Sequence[Estimates], seeds: int) -> dict[str, Any]:
+    row: dict[str, Any] = {"case": case.name, "target": case.target, "seeds": seeds}
+    if found[-1].reason:
+        return row | {"reason": found[-1].reason}
     row["kind"] = found[0].kind
     row["seconds"] = float(np.mean([one.seconds for one in found]))
     row["steps"] = round(float(np.mean([one.steps for one in found])))
-    for name, values in _measures(np.stack([one.bits for one in found]), case).items():
+    bits = np.stack([one.bits for one in found if one.bits is not None])
+    for name, values in _measures(bits, case).items():
         low, high = bootstrap_interval(values)
         row |= {name: float(values.mean()), f"{name}_low": float(low), f"{name}_high": float(high)}
     return row
-
-
-def _estimated(contestant: Contestant, case: Case, seed: int) -> _Found:
-    """The estimates of one seed."""
-    estimator: Any = contestant if is_estimator(contestant) else contestant(case)  # pyright: ignore[reportCallIssue]
-    metered = Metered(case.simulator)
-    start = time.perf_counter()
-    fitted = estimator.fit(metered, case.horizon, case.sensor, seed=seed)
-    if fitted.target != case.target:
-        names = {"capacity": "the capacity", "effective": "effective empowerment"}
-        raise ValueError(f"estimates {names[fitted.target]}, the case is {names[case.target]}")
-    bits = np.asarray(fitted.bits(case.states), np.float64)
-    seconds = time.perf_counter() - start
-    if bits.shape != case.bits.shape:
-        raise ValueError(f"gives bits of shape {bits.shape} for {len(case.states)} states")
-    if not np.isfinite(bits).all():
-        raise ValueError("gives bits that are not finite")
-    return _Found(fitted.kind, bits, seconds, metered.steps)
 
 
 def _measures(bits: Float64[np.ndarray, "seeds n"], case: Case) -> dict[str, np.ndarray]:
