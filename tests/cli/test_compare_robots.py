@@ -30,6 +30,7 @@ def test_a_file_of_ones_own_is_read_and_files_are_written(capsys, tmp_path: Path
     assert main(["compare", "reach.xml", "--tools", "none,stick", *QUICK, *out]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("average 3-step object empowerment of the puck over 4 placements")
+    assert lines[0].endswith("(1 search each)")
     assert {line.split()[0] for line in lines[2:4]} == {"none", "stick"}
     assert pl.read_csv("tools.csv")["tool"].to_list() == [line.split()[0] for line in lines[2:4]]
     assert Path("tools.png").stat().st_size > 1000
@@ -46,7 +47,7 @@ def test_a_file_of_ones_own_is_read_and_files_are_written(capsys, tmp_path: Path
         (["reach.xml", "--unit", "nats"], "leave out --unit"),
         (["reach.xml", "--out", "a.npz"], "end it with"),
         (["yard", "--horizon", "1", "--seeds", "2"], "--seeds is for MuJoCo files"),
-        (["none-such.xml"], "none-such.xml"),
+        (["none-such.xml"], "none-such.xml: no such file; give the path of a MuJoCo file"),
     ],
 )
 def test_bad_input_is_one_line(capsys, arguments: list[str], words: str):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from habilis.estimators import ActionBox, Counting, Gaussian, follow, on_grid
+from habilis.estimators import ActionBox, Counting, Gaussian, OnGrid, follow, on_grid
 from habilis.estimators.protocol import Kind, Target
 from habilis.estimators.simulators import JaxSimulator, cart_pole, pendulum
 
@@ -109,8 +109,20 @@ def test_a_grid_interpolates_and_wraps():
         on_grid(swing, axes, [3.0, 0])
     with pytest.raises(ValueError, match="does not increase"):
         on_grid(swing, [np.zeros(2), np.arange(2.0)])
+    with pytest.raises(ValueError, match="method is the class Counting; give an instance"):
+        OnGrid(Counting, axes).fit(pendulum(), 1)  # pyright: ignore[reportArgumentType]
     with pytest.raises(ValueError, match="states have 1 components, the grid 2"):
         table.bits([[0.0]])
+
+
+def test_a_component_of_one_value_has_no_influence_and_a_tabulated_estimator_is_one():
+    axes = [0.0, 1.0, 3.0], [0.0]
+    tabulated = OnGrid(Counting(0.05, 50), axes).fit(pendulum(), 2, seed=1)
+    fitted = Counting(0.05, 50).fit(pendulum(), 2, seed=1)
+    corners = fitted.bits([[angle, 0.0] for angle in axes[0]])
+    asked = [[0.0, 9.0], [1.5, 0.0], [9.0, -9.0]]
+    expected = [corners[0], 0.75 * corners[1] + 0.25 * corners[2], corners[2]]
+    np.testing.assert_allclose(tabulated.bits(asked), expected)
 
 
 def test_the_most_cells_are_in_reach_where_the_pendulum_is_upright():

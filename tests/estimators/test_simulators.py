@@ -248,6 +248,20 @@ def test_steps_are_counted():
     assert metered.is_linear
 
 
+def test_steps_that_an_estimator_makes_itself_are_counted_too():
+    metered: Any = simulators.Metered(simulators.MujocoSimulator(SLIDER, noise=0.1))
+    states, actions = np.zeros((3, 4)), np.zeros((3, 2))
+    metered.step(states, actions, np.random.default_rng(0))
+    metered.transition(states, actions, actions)
+    metered.rollout(states, np.zeros((3, 5, 2)))
+    assert metered.steps == 3 + 3 + 15
+    metered = simulators.Metered(simulators.pendulum())
+    jax.jit(lambda s: metered.step(s, s[:, :1], None))(np.zeros((3, 2)))
+    assert metered.steps == 0  # nothing is seen of what is compiled elsewhere
+    metered.step(np.zeros((3, 2)), np.zeros((3, 1)), None)
+    assert metered.steps == 3
+
+
 def test_what_is_no_simulator_and_what_goes_nowhere_is_refused():
     growing = simulators.JaxSimulator(lambda state, action: state**3 + action, [[1.0]])
     with pytest.raises(ValueError, match=r"leads from \[9\.\] to numbers that are not finite"):
@@ -255,11 +269,22 @@ def test_what_is_no_simulator_and_what_goes_nowhere_is_refused():
     narrow = SimpleNamespace(actions=[[1.0]], step=lambda s, a, key: s[:, :1])
     with pytest.raises(ValueError, match=r"states of shape \(1, 1\) for \(1, 2\)"):
         rolled(narrow, [[0.0, 0.0]], np.ones((1, 2, 1)))
+    narrow.in_jax = True
+    for method in (hb.Counting(), hb.Gaussian(power=1, noise=0.1), hb.MonteCarlo(2, 2)):
+        narrow.is_stochastic = isinstance(method, hb.MonteCarlo)
+        with pytest.raises(ValueError, match=r"states of shape \(\d+, 1\) for \(\d+, 2\)"):
+            hb.empowerment(narrow, 2, states=[[0.0, 0.0]], method=method)
     blind = hb.TabularMDP.deterministic([[0, -1], [0, 1]])
-    with pytest.raises(ValueError, match="action 1 is not available in state 0"):
+    with pytest.raises(
+        ValueError, match=r"action 1 is .* in state 0, .*: let next_state\[0, 1\] lead"
+    ):
         simulators.FiniteSimulator(blind)
     with pytest.raises(ValueError, match="MuJoCo cannot read"):
         simulators.MujocoSimulator("<mujoco")
+    with pytest.raises(ValueError, match=r"none\.xml': no such file; give the path"):
+        simulators.MujocoSimulator("none.xml")
+    with pytest.raises(ValueError, match=r"or of simulators an estimator, as hb\.Counting"):
+        hb.empowerment(growing, 1, states=[[0.0]], method="counting")  # pyright: ignore[reportArgumentType]
     with pytest.raises(ValueError, match="no actuator"):
         simulators.MujocoSimulator("<mujoco/>")
     with pytest.raises(ValueError, match="each number of the first below"):

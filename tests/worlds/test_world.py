@@ -264,10 +264,11 @@ def test_a_file_that_is_not_text_is_not_a_world(tmp_path: Path):
         load_world(path)
 
 
-@pytest.mark.parametrize("name", ["lift.npz", "lift.drn", "lift.py", "lift.py:Lift"])
+@pytest.mark.parametrize("name", ["lift.npz", "lift.drn", "lift.py", "lift.py:Lift", "lift.xml"])
 def test_a_table_or_a_model_is_no_world_and_is_told_where_it_belongs(name: str):
     """Whether there is such a file or not: a module could be read as a map otherwise."""
     why = "it is Python; of a model in it" if ".py" in name else "it is a table, which"
+    why = "it is a MuJoCo model, .* habilis compare lift.xml" if ".xml" in name else why
     with pytest.raises(ValueError, match=rf"^{name}: no such world \({why}.*name one of corridor"):
         load_world(name)
 

@@ -8,6 +8,7 @@ from habilis.cli.arguments import Args
 from habilis.cli.executors import OPTIONS
 from habilis.cli.output import print_json, print_written, save, shows_progress
 from habilis.files import PICTURES
+from habilis.reprs import counted
 
 if TYPE_CHECKING:
     from habilis.robots.comparison import ToolComparison
@@ -89,9 +90,10 @@ def check(args: Args) -> None:
 
 def _print(found: "ToolComparison") -> None:
     count, seeds = found.bits.shape[1:]
+    searches = counted(seeds, "search", "searches")
     print(
         f"average {found.horizon}-step object empowerment of the puck over {count} placements, "
-        f"lower bounds in bits ({seeds} searches each)"
+        f"lower bounds in bits ({searches} each)"
     )
     heads = ["", "bits", "95 %", "rank", "influence", "range", "latency", "better", "worse"]
     rows = [heads]
@@ -113,4 +115,5 @@ def _print(found: "ToolComparison") -> None:
     for row in rows:
         print("  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)))
     print("influence: placements with any; range: of those the farthest from the hand;")
-    print("latency: least actions; better, worse: placements in which all searches say so of none")
+    print("latency: fewest actions with influence; better, worse: placements in which every search")
+    print("with the tool finds more, or fewer, outcomes than every search with none")

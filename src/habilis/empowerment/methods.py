@@ -109,14 +109,15 @@ Method = Exact | Sampled
 
 
 def checked_method(method: Any, among: Iterable[type] = (Exact, Sampled)) -> Any:
-    """`method` if it is one of these, else a ValueError"""
+    """`method` if it is one of these, else a ValueError."""
     kinds = tuple(among)
     if not isinstance(method, kinds):
         if isinstance(method, type):
             name = method.__name__
             raise ValueError(f"method is the class {name}; use hb.{name}(), with its settings")
         known = " or ".join(f"hb.{kind.__name__}()" for kind in kinds)
-        raise ValueError(f"method is {method!r}; use {known}")
+        others = ", or of simulators an estimator, as hb.Counting(0.1)" * (Sampled in kinds)
+        raise ValueError(f"method is {method!r}; use {known}{others}")
     return method
 
 

@@ -11,6 +11,7 @@ from habilis.estimators.following import follow as follow
 from habilis.estimators.gaussian import Gaussian as Gaussian
 from habilis.estimators.gaussian import GaussianChannels as GaussianChannels
 from habilis.estimators.gridded import Gridded as Gridded
+from habilis.estimators.gridded import OnGrid as OnGrid
 from habilis.estimators.gridded import on_grid as on_grid
 from habilis.estimators.learned.contrastive import Contrastive as Contrastive
 from habilis.estimators.learned.variational import Variational as Variational

@@ -7,8 +7,16 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.estimators.protocol import Simulator, in_jax
-from habilis.estimators.rollouts import padded, power_of_two, report_steps, roll_out, roll_out_with
+from habilis.estimators.rollouts import (
+    check_shape,
+    padded,
+    power_of_two,
+    report_steps,
+    roll_out,
+    roll_out_with,
+)
 from habilis.estimators.sensors import Reading, checked_reading
+from habilis.estimators.simulators.metered import unmetered
 from habilis.extras import import_from
 
 Responses = tuple[np.ndarray, np.ndarray]
@@ -50,13 +58,15 @@ def _by_jax(
     jnp = jax.numpy
     horizon = len(nominal)
     inputs = nominal.size + horizon * noise
+    made = unmetered(simulator)
 
     def last(actions: Any, drawn: Any, state: Any) -> Any:
         def once(state: Any, step: Any) -> tuple[Any, None]:
             action, own = step
-            if noise:
-                return simulator.transition(state, action, own), None  # pyright: ignore[reportAttributeAccessIssue]
-            return simulator.step(state, action, None), None
+            moves: Any = made.transition if noise else made.step  # pyright: ignore[reportAttributeAccessIssue]
+            found = moves(state, action, own if noise else None)
+            check_shape(found, state)
+            return found, None
 
         steps = actions[:, None], drawn[:, None]
         return shown(jax.lax.scan(once, state[None], steps)[0])[0]

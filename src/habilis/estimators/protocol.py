@@ -130,6 +130,18 @@ def is_estimator(method: Any) -> bool:
     return callable(getattr(method, "fit", None))
 
 
+def checked_estimator(method: Any) -> Estimator:
+    """`method` if it is an estimator, else a ValueError that names some."""
+    if isinstance(method, type):
+        raise ValueError(f"method is the class {method.__name__}; give an instance, with settings")
+    if not is_estimator(method):
+        raise ValueError(
+            f"method is {method!r:.60}, no estimator; simulators need one, as hb.Counting(0.1), "
+            "hb.MonteCarlo() or hb.Gaussian(power=1, noise=0.1)"
+        )
+    return method
+
+
 def is_stochastic(simulator: Simulator) -> bool:
     """Whether a step draws random numbers."""
     return bool(getattr(simulator, "is_stochastic", True))

@@ -12,6 +12,7 @@ from jaxtyping import Float, Float64
 
 from habilis.estimators.protocol import Random, Simulator, in_jax, is_stochastic
 from habilis.estimators.sensors import Reading, checked_reading
+from habilis.estimators.simulators.metered import unmetered
 from habilis.extras import import_from
 
 Outcomes = Callable[[np.ndarray, np.ndarray, int, int], np.ndarray]
@@ -35,15 +36,21 @@ def scan(
 
     Returns:
         The last states.
+
+    Raises:
+        ValueError: a step gives states of another shape.
     """
     import jax
     import jax.numpy as jnp
 
+    made = unmetered(simulator)
     keys = None if key is None else jax.random.split(key, sequences.shape[1])
 
     def one(states: Any, step: Any) -> tuple[Any, None]:
         actions, own = step
-        return simulator.step(states, actions, own), None
+        found = made.step(states, actions, own)
+        check_shape(found, states)
+        return found, None
 
     if sequences.shape[1] == 0:
         return states
@@ -76,14 +83,13 @@ def roll_out(
     if in_jax(simulator):
         last = (compiled or compiled_scan(simulator))(states, sequences, seed)
     elif hasattr(simulator, "rollout") and not is_stochastic(simulator):
-        last = simulator.rollout(states, sequences)  # pyright: ignore[reportAttributeAccessIssue]
+        last = unmetered(simulator).rollout(states, sequences)  # pyright: ignore[reportAttributeAccessIssue]
     else:
         key = np.random.default_rng(seed) if is_stochastic(simulator) else None
         last = states
         for step in range(sequences.shape[1]):
-            last = simulator.step(last, sequences[:, step], key)
-            if np.shape(last) != states.shape:
-                break
+            last = np.asarray(unmetered(simulator).step(last, sequences[:, step], key))
+            check_shape(last, states)
     report_steps(simulator, sequences.shape[0] * sequences.shape[1])
     return _checked(last, states)
 
@@ -110,7 +116,7 @@ def roll_out_with(
     """
     last: Any = states
     for step in range(sequences.shape[1]):
-        last = simulator.transition(  # pyright: ignore[reportAttributeAccessIssue]
+        last = unmetered(simulator).transition(  # pyright: ignore[reportAttributeAccessIssue]
             last, sequences[:, step], noise[:, step]
         )
     report_steps(simulator, sequences.shape[0] * sequences.shape[1])
@@ -198,12 +204,8 @@ def in_double(simulator: Simulator, function: Reading) -> Reading:
 
 
 def _checked(last: Any, states: Float64[np.ndarray, "n d"]) -> Float64[np.ndarray, "n d"]:
+    check_shape(last, states)
     found = np.asarray(last, np.float64)
-    if found.shape != states.shape:
-        raise ValueError(
-            f"step gives states of shape {found.shape} for {states.shape}; let it give one next "
-            "state of the same length for each"
-        )
     good = np.isfinite(found).all(axis=1)
     if not good.all():
         row = states[int(np.flatnonzero(~good)[0])]
@@ -213,6 +215,15 @@ def _checked(last: Any, states: Float64[np.ndarray, "n d"]) -> Float64[np.ndarra
             "horizon, a smaller time step or other states"
         )
     return found
+
+
+def check_shape(found: Any, states: Float[Any, "n d"]) -> None:
+    """Refuses next states of another shape than the states."""
+    if np.shape(found) != np.shape(states):
+        raise ValueError(
+            f"step gives states of shape {np.shape(found)} for {np.shape(states)}; let it give one "
+            "next state of the same length for each"
+        )
 
 
 def report_steps(simulator: Simulator, steps: int) -> None:

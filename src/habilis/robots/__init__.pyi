@@ -1,6 +1,7 @@
 # The public names: `__init__.py` imports each from here on first use.
 from habilis.robots.comparison import ToolComparison as ToolComparison
 from habilis.robots.comparison import compare_tools as compare_tools
+from habilis.robots.environment import PushingEnv as PushingEnv
 from habilis.robots.films import push_scenes as push_scenes
 from habilis.robots.landscapes import draw_comparison as draw_comparison
 from habilis.robots.placements import Placements as Placements

@@ -72,6 +72,10 @@ def _specification(model: str | Path) -> Any:
     text = str(model)
     if text == NAME and not Path(text).exists():
         text = Reach().xml()
+    if not text.lstrip().startswith("<") and not Path(text).is_file():
+        raise ValueError(
+            f"{text}: no such file; give the path of a MuJoCo file, or {NAME}, which is built in"
+        )
     try:
         if text.lstrip().startswith("<"):
             specification = mujoco.MjSpec.from_string(text)

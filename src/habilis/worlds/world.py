@@ -35,6 +35,8 @@ ENVIRONMENT = "gym:"
 _TABLES = (".npz", ".drn")
 """The ends of names of files with a table: ours, and Storm's."""
 
+_MUJOCO = ".xml"
+
 _PYTHON = re.compile(r"\.py(:\w*)?$")
 
 
@@ -402,7 +404,7 @@ def _source(name: str | Path) -> tuple[str, str, Path | None]:
         text = next(f for f in _builtin_files() if f.name == f"{name}.txt").read_text("utf-8")
         return text, str(name), None
     path = Path(name)
-    if path.suffix.lower() in _TABLES or _PYTHON.search(str(name)):
+    if path.suffix.lower() in (*_TABLES, _MUJOCO) or _PYTHON.search(str(name)):
         raise ValueError(f"{shown(name)}: {_not_a_world(str(name), None)}")
     try:
         if path.exists() and not path.is_file():
@@ -431,6 +433,11 @@ def _not_a_world(name: str, error: Exception | None) -> str:
         return (
             "no such world (it is a table, which habilis empowerment and train take, and in Python "
             f"TabularMDP.load); here {known}"
+        )
+    if Path(name).suffix.lower() == _MUJOCO:
+        return (
+            "no such world (it is a MuJoCo model, of which habilis compare measures the hand and "
+            f"its tools: habilis compare {name} --out landscape.png); here {known}"
         )
     if _PYTHON.search(name):
         return (

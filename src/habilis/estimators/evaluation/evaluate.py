@@ -60,8 +60,8 @@ def evaluate(
         "rank" Spearman's rank correlation with the truth over states, null where the truth is the
         same everywhere. Each is the mean over seeds, with the ends of its 95 % bootstrap interval
         over seeds, as in "bias_low" and "bias_high". "seconds" are those of a fit with the values
-        of all states, compilation included, and "steps" those of the simulator, through
-        `habilis.estimators.rollouts`. "reason" says why there are no numbers.
+        of all states, compilation included, and "steps" those of the simulator, as in
+        `habilis.estimators.simulators.Metered`. "reason" says why there are no numbers.
 
     Raises:
         ValueError: an estimator without `fit`, or no seeds.

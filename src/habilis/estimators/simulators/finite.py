@@ -43,8 +43,10 @@ class FiniteSimulator:
         if not mdp.always_available:
             state, action = np.argwhere(~mdp.available)[0]
             raise ValueError(
-                f"action {action} is not available in state {state}; a simulator needs every "
-                "action everywhere: give a table in which it leads somewhere"
+                f"action {action} is not available in state {state}, and a simulator takes every "
+                f"action everywhere: let next_state[{state}, {action}] lead somewhere, as to "
+                "itself, or ask hb.empowerment without an estimator, which keeps to what is "
+                "available"
             )
         self.mdp = mdp
         self.actions = np.arange(mdp.action_count, dtype=np.float64)[:, None]

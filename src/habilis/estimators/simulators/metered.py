@@ -1,6 +1,10 @@
 """Counting the steps that an estimator makes."""
 
+import sys
+from collections.abc import Callable
 from typing import Any
+
+import numpy as np
 
 from habilis.estimators.protocol import Simulator
 
@@ -8,7 +12,9 @@ from habilis.estimators.protocol import Simulator
 class Metered:
     """A simulator that counts its steps; everything else is as the simulator has it.
 
-    A step of n states counts n. Steps that are differentiated (see `Gaussian`) count once.
+    A step of n states counts n, whoever makes it; so do `transition` and, for each action,
+    `rollout`. Steps that are differentiated (see `Gaussian`) count once. Those that an estimator
+    compiles itself cannot be seen: it reports them with `report_steps`.
 
     Attributes:
         simulator: the one inside.
@@ -45,6 +51,7 @@ class Metered:
         Returns:
             The next states.
         """
+        self._count(states, 1)
         return self.simulator.step(states, actions, key)
 
     def report_steps(self, steps: int) -> None:
@@ -58,4 +65,26 @@ class Metered:
     def __getattr__(self, name: str) -> Any:
         if name == "simulator":  # not there yet, as in a copy that is being made
             raise AttributeError(name)
-        return getattr(self.simulator, name)
+        found = getattr(self.simulator, name)
+        if name == "transition":
+            return self._counted(found, lambda actions: 1)
+        if name == "rollout":
+            return self._counted(found, lambda sequences: np.shape(sequences)[1])
+        return found
+
+    def _counted(self, function: Callable[..., Any], each: Callable[[Any], int]) -> Any:
+        def counting(states: Any, actions: Any, *rest: Any, **named: Any) -> Any:
+            self._count(states, each(actions))
+            return function(states, actions, *rest, **named)
+
+        return counting
+
+    def _count(self, states: Any, each: int) -> None:
+        jax: Any = sys.modules.get("jax")
+        if jax is None or not isinstance(states, jax.core.Tracer):
+            self.steps += len(states) * each
+
+
+def unmetered(simulator: Simulator) -> Simulator:
+    """The simulator inside, for those who report their steps in one go."""
+    return simulator.simulator if isinstance(simulator, Metered) else simulator

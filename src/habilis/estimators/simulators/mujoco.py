@@ -88,6 +88,7 @@ class MujocoSimulator:
         self.noise = self.model.nu if noise else 0
         self._deviation = float(noise)
         self._threads = processors() if threads is None else at_least_one("threads", threads)
+        self._spare: list[Any] = []  # MuJoCo's data, which take longer to make than a step
         self._initial, self._places = _layout(self.model)
         self.names: Mapping[str, slice] = _names(self.model, len(self._places))
 
@@ -217,8 +218,13 @@ class MujocoSimulator:
         check_length(states, len(self._places))
         whole = np.repeat(self._initial[None], len(states), axis=0)
         whole[:, self._places] = states
-        data = [mujoco.MjData(self.model) for _ in range(min(self._threads, len(states)))]
-        return rollout.rollout(self.model, data, whole, np.ascontiguousarray(controls))
+        # Out of the list while in use, in case several threads call this simulator.
+        wanted = min(self._threads, len(states))
+        data, self._spare = self._spare, []
+        data += [mujoco.MjData(self.model) for _ in range(wanted - len(data))]
+        rolled = rollout.rollout(self.model, data[:wanted], whole, np.ascontiguousarray(controls))
+        self._spare = data
+        return rolled
 
 
 def imported() -> Any:
@@ -245,6 +251,8 @@ def _model(given: Any) -> Any:
     if isinstance(given, mujoco.MjModel):
         return given
     text = str(given)
+    if not text.lstrip().startswith("<") and not Path(text).is_file():
+        raise ValueError(f"{text!r:.60}: no such file; give the path of a MuJoCo file, or its text")
     try:
         if text.lstrip().startswith("<"):
             return mujoco.MjModel.from_xml_string(text)
