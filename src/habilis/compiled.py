@@ -148,6 +148,7 @@ def _dispatcher(function: Callable[..., Any], is_part: bool) -> Any:
     _listen()
     # Without what callers in C or, of a part, in Python need: half of a small one's time.
     options: dict[str, Any] = {"no_cfunc_wrapper": True, "no_cpython_wrapper": is_part}
+    options["error_model"] = "numpy"  # a check of every divisor keeps loops from wide words
     made: Any
     try:
         made = njit(cache=True, nogil=True, **options)(function)

@@ -249,7 +249,7 @@ def test_a_gap_above_the_tolerance_is_named_in_a_warning():
 def test_the_certificate_exposes_a_solver_that_gets_nowhere(monkeypatch: pytest.MonkeyPatch):
     from habilis.channels import capacity_solver as optimum
 
-    monkeypatch.setattr(optimum, "_newton", lambda part, entropy, inputs, tolerance: inputs * 0 + 1)
+    monkeypatch.setattr(optimum, "newton", lambda part, entropy, inputs, tolerance: inputs * 0 + 1)
     monkeypatch.setattr(optimum, "_ROUNDS", 1)
     P = np.array([[0.9, 0.1], [0.3, 0.7], [0.5, 0.5]])
     with pytest.warns(ConvergenceWarning):

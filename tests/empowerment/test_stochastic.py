@@ -318,14 +318,14 @@ def test_what_is_compiled_on_first_use_is_no_part_of_the_estimate(tmp_path: Path
 
 
 def test_what_else_runs_makes_no_estimate_larger(monkeypatch: pytest.MonkeyPatch):
-    from habilis.empowerment.tabular import open_loop
+    from habilis.empowerment.tabular import column_generation
 
     def interrupted(*asked: Any) -> Any:
         time.sleep(1)
         return solved(*asked)
 
-    solved = open_loop.solve_channel
-    monkeypatch.setattr(effort, "solve_channel", interrupted)
+    solved = column_generation.capacity_of
+    monkeypatch.setattr(effort, "capacity_of", interrupted)
     mdp = maze(10, 0.125)
     estimated = estimate(problem_of(mdp, 2, "state", np.arange(5), 1e-6), np.arange(mdp.states), 1)
     assert 0 < estimated.seconds[-1] < mdp.states / 2

@@ -140,7 +140,7 @@ def futures(
     start = int(chosen_states(mdp, [state])[0])
     most = most_entries(limits, 1)
     problem = problem_of(mdp, horizon, sensor, used, tolerance, most)
-    check_effort(problem, np.array([start]), 1, limits)
+    check_effort(problem, np.array([start]), 1, limits, listed=True)
     try:
         with progress_bar("actions", show_progress) as report:
             beliefs, answer = exact(problem, start, report)

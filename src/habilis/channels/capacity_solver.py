@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from habilis.channels.bounds import Channel
 
 _ROUNDS = 200  # of working sets
-_STEPS = 60  # of Newton's method in a round
+STEPS = 60  # of Newton's method in a round
 _WARM_UP = 40  # of Blahut and Arimoto's iteration, which finds out which inputs matter
-_SHARE = 0.99  # how far to go towards the boundary
+SHARE = 0.99  # how far to go towards the boundary
 _UNUSED = 1e-9  # inputs with less are left out of the next working set
 
 
@@ -49,7 +49,7 @@ def best_inputs(
         seen = part.any(axis=0)
         part = part if seen.all() else part[:, seen]
         among = np.zeros(rows)
-        among[chosen] = _newton(part, entropy[chosen], inputs[chosen], sought)
+        among[chosen] = newton(part, entropy[chosen], inputs[chosen], sought)
         inputs, found = among, bounds(channel, entropy, among)
         if not found.gap >= certificate.gap:
             best, certificate = inputs, found
@@ -82,7 +82,7 @@ def _first_inputs(channel: "Channel", entropy: Inputs) -> tuple[Inputs, np.ndarr
     return inputs, np.sort(np.argsort(-inputs)[:columns])
 
 
-def _newton(
+def newton(
     P: Float64[np.ndarray, "n m"], entropy: Inputs, inputs: Inputs, tolerance: float
 ) -> Inputs:
     """Maximises I by a primal-dual interior point method (Mehrotra 1992).
@@ -99,7 +99,7 @@ def _newton(
     c = divergence.max() + gap / 2
     s = c - divergence
     best, best_gap = p, np.inf
-    for _ in range(_STEPS):
+    for _ in range(STEPS):
         try:
             solve = _solver(P, q, s / p)
         except LinAlgError:
@@ -117,7 +117,7 @@ def _newton(
         dc = (x.sum() - (1 - p.sum())) / ones.sum()
         dp = x - dc * ones
         ds = (target - s * dp) / p - s
-        length = min(1.0, _SHARE * min(_reach(p, dp), _reach(s, ds)))
+        length = min(1.0, SHARE * min(_reach(p, dp), _reach(s, ds)))
         if not np.isfinite(length * dc):
             break
         p, s, c = p + length * dp, s + length * ds, c + length * dc

@@ -368,14 +368,14 @@ def _solved(
     from habilis.empowerment.tabular import stochastic
     from habilis.empowerment.tabular.open_loop import problem_of
 
-    tolerance, threads = method.tolerance / scale, method.threads or 1
+    tolerance, limits = method.tolerance / scale, method.limits
     problem = problem_of(mdp, horizon, sensor, actions, tolerance)
     with progress_bar("states", show_progress) as report:
         if isinstance(method, Sampled):
             return stochastic.lower_bounds(
-                problem, starts, method.samples, method.seed, threads, method.limits, report
+                problem, starts, method.samples, method.seed, method.threads or 1, limits, report
             )
-        bits, gap = stochastic.certified_bits(problem, starts, threads, method.limits, report)
+        bits, gap = stochastic.certified_bits(problem, starts, method.threads, limits, report)
     if (gap > tolerance).any():
         warn_of_gap(float(gap.max()), tolerance)
     return bits, gap

@@ -26,8 +26,9 @@ class Exact:
             noisy channels from a few states, of counting from its first moments. A fixed point or
             a period of what can be reached, which ends long horizons early, is part of it.
         threads: how many work side by side; the values are the same for any number. By default
-            as many as there are processors; one where channels are noisy, because there the
-            linear algebra uses the processors by itself.
+            as many as there are processors; one where there is little to do, or where channels
+            are noisy and have several hundred observations, because there the linear algebra uses
+            the processors by itself.
 
     Raises:
         ValueError: a setting is out of its range.

@@ -22,8 +22,9 @@ from habilis.empowerment.limits import Limits, TooMuchError, too_much
 from habilis.empowerment.methods import Exact
 from habilis.empowerment.sensors import observation_probabilities
 from habilis.empowerment.tabular.beliefs import TooManyBeliefsError
+from habilis.empowerment.tabular.column_generation import certified
 from habilis.empowerment.tabular.cost import check_effort, most_entries
-from habilis.empowerment.tabular.open_loop import Problem, exact, problem_of
+from habilis.empowerment.tabular.open_loop import Problem, problem_of
 from habilis.mdp import TabularMDP
 from habilis.models.limits import TooManyStatesError
 from habilis.probabilities import shape_of
@@ -289,7 +290,7 @@ def _uncertain(scene: AnyScene, places: list[Where]) -> tuple[Problem, np.ndarra
 
 def _each(problem: Problem, states: np.ndarray) -> list[float]:
     try:
-        return [exact(problem, int(state))[1].bits for state in states]
+        return [certified(problem, int(state))[0] for state in states]
     except TooManyBeliefsError as error:
         raise too_much(problem.horizon, error.horizon, _LIMITS) from None
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 SAME = 1e-14  # beliefs that differ by no more in any entry are one: what rounding can do
 
+ENOUGH, FEWER = 2**18, 0.7
+"""Numbers in beliefs, above which merging must leave no more than this share of them."""
+
 _LEAST = float(np.finfo(np.float64).tiny)  # of what is possible: it must not round to 0
 
 _GRAIN = float(2**30)  # coarse, so that rounding seldom puts the same beliefs in two places
@@ -141,6 +144,40 @@ def beliefs_after(
         steps.append((parent, action))
         report(t + 1, horizon)
     return Beliefs(states, matrix, tuple(steps))
+
+
+def beliefs_before_last(
+    successors: Successors, start: int, horizon: int, most_entries: int = 2**62
+) -> tuple[Int32[np.ndarray, "N"], Successors, Float64[np.ndarray, "K N"], int]:
+    """All distinct beliefs after as many actions, fewer than h, as it pays to merge beliefs.
+
+    Beliefs are merged as long as they are small, or merging leaves clearly fewer.
+
+    Args:
+        successors: the transitions.
+        start: the state.
+        horizon: h, 1 or more.
+        most_entries: how many numbers the beliefs may be.
+
+    Returns:
+        The states within h - 1 actions, the transitions among them, the beliefs over them, and
+        how many actions have led there.
+    """
+    states, local = _around(successors, start, horizon - 1)
+    matrix, done = np.zeros((1, len(states))), 0
+    matrix[0, 0] = 1.0
+    actions, most = local.actions, max(most_entries // len(states), 1)
+    partial = not successors.always_available
+    merging = True
+    while done < horizon - 1 and (merging or matrix.size * actions <= ENOUGH):
+        further, _, _ = _advance(
+            matrix, local.first, local.state, local.probability, actions, most, partial
+        )
+        if len(further) > most:
+            break
+        merging = len(further) < FEWER * actions * len(matrix)
+        matrix, done = further, done + 1
+    return states, local, matrix, done
 
 
 def _ends(

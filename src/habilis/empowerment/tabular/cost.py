@@ -8,8 +8,11 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from habilis.channels.capacity_solver import best_inputs
+from habilis.channels.small_channels import compile_solver
 from habilis.empowerment.limits import Limits, takes, too_much
-from habilis.empowerment.tabular.beliefs import compile_kernels, states_within
+from habilis.empowerment.tabular.beliefs import ENOUGH, FEWER, compile_kernels, states_within
+from habilis.empowerment.tabular.column_generation import capacity_of, sequences_from
+from habilis.empowerment.tabular.last_actions import compile_last_actions
 from habilis.empowerment.tabular.open_loop import Problem, drawn, solve_channel
 from habilis.empowerment.tabular.outcomes import outcomes_after
 from habilis.probabilities import shape_of
@@ -18,6 +21,8 @@ _PROBED, _LEAST_PROBED = 17, 3  # states looked at, from all over ...
 _ORDER = (0, 8), (4, 8), (2, 4), (1, 2)  # ... by their first and their distance
 _ENTRIES = 200_000  # numbers in the beliefs of a state up to which they are tried out
 _BYTES = 8 * 4  # a number of a belief: in an array perhaps just doubled, and what comes of it
+_NUMBERS = 4  # for each sequence of which only a number is kept
+_POOL = 8 * 4  # bytes for a number in the pool of sequences
 _STEP = 300  # bytes that each step takes however few beliefs there are
 _TRIAL = 0.3  # seconds that trying out a state may take
 _FORESEEN = 2_000  # horizons looked at one by one
@@ -38,9 +43,20 @@ class Effort:
 
 
 def check_effort(
-    problem: Problem, starts: Int64[np.ndarray, "n"], threads: int, limits: Limits
+    problem: Problem,
+    starts: Int64[np.ndarray, "n"],
+    threads: int,
+    limits: Limits,
+    listed: bool = False,
 ) -> None:
     """Refuses what would take more than it may.
+
+    Args:
+        problem: what is asked.
+        starts: of which states.
+        threads: how many work side by side.
+        limits: on time and memory.
+        listed: whether the distinct outcomes of all sequences are kept, as `open_loop.exact` does.
 
     Raises:
         TooMuchError: the estimate of memory or time is above its limit; the message has both, and
@@ -63,7 +79,7 @@ def check_effort(
         wide = max(states_within(successors, start, horizon)[-1] for start in _probes(starts))
         if worst + np.log(wide) <= trifle:
             return
-    effort = estimate(replace(problem, horizon=min(horizon, _FORESEEN)), starts, threads)
+    effort = estimate(replace(problem, horizon=min(horizon, _FORESEEN)), starts, threads, listed)
     fits = (effort.gib <= limits.gib) & (effort.seconds <= limits.seconds)
     fitting = int(np.argmin(fits)) - 1
     gib, seconds = effort.gib[-1], effort.seconds[-1]
@@ -136,14 +152,17 @@ def most_entries(limits: Limits, at_once: int) -> int:
     return int(min(limits.gib * 2**30 / (_BYTES * at_once), 2**62))
 
 
-def estimate(problem: Problem, starts: Int64[np.ndarray, "n"], threads: int) -> Effort:
+def estimate(
+    problem: Problem, starts: Int64[np.ndarray, "n"], threads: int, listed: bool = False
+) -> Effort:
     """Memory and time of every horizon up to the problem's, from a look at a few states.
 
     In these, beliefs are followed as far as that is cheap, and timed. From there on each step
     multiplies them as the last one did, which merging seldom exceeds.
     """
     _compile(problem, int(starts[0]))
-    probed = [_probe(problem, start) for start in _probes(starts)]
+    probe = _probe if listed or problem.successors.certain else _probe_of_last_actions
+    probed = [probe(problem, start) for start in _probes(starts)]
     gib = np.max([memory for memory, _ in probed], axis=0)
     seconds = np.mean([taken for _, taken in probed], axis=0)
     return Effort(gib * min(threads, len(starts)), seconds * len(np.unique(starts)) / threads)
@@ -169,10 +188,7 @@ def _probe(
     wide = _width(problem, reached)
     counts, took, solving = _tried(problem, start, wide)
     known = len(counts) - 1
-    factor = counts[-1] / counts[-2] if known else 1.0
-    # Past this many nothing fits anyway, and products of it are still numbers.
-    steps = np.minimum(np.arange(1.0, horizon - known + 1), 200 / np.log10(max(factor, 1.01)))
-    beliefs = np.concatenate([counts, counts[-1] * factor**steps])
+    beliefs = _continued(counts, horizon)
     if successors.certain:
         beliefs = np.minimum(beliefs, reached * _rows(problem))
     entries = beliefs * wide
@@ -184,9 +200,62 @@ def _probe(
     return memory / 2**30, seconds
 
 
+def _continued(
+    counts: Float64[np.ndarray, "known"], horizon: int
+) -> Float64[np.ndarray, "horizons"]:
+    """The number of beliefs of every horizon from the first ones."""
+    known = len(counts) - 1
+    factor = counts[-1] / counts[-2] if known else 1.0
+    # Past this many nothing fits anyway, and products of it are still numbers.
+    steps = np.minimum(np.arange(1.0, horizon - known + 1), 200 / np.log10(max(factor, 1.01)))
+    return np.concatenate([counts, counts[-1] * factor**steps])
+
+
+def _probe_of_last_actions(
+    problem: Problem, start: int
+) -> tuple[Float64[np.ndarray, "horizons"], Float64[np.ndarray, "horizons"]]:
+    """GiB and seconds of one state, by horizon, where the last actions are followed side by side.
+
+    Of every sequence one number is kept, and two more come of it.
+    """
+    horizon, actions = problem.horizon, problem.successors.actions
+    wide = _width(problem, states_within(problem.successors, start, horizon))
+    counts, following, solving = [1.0], 0.0, 0.0
+    while len(counts) <= horizon and counts[-1]:
+        depth = len(counts)
+        if depth > 1 and counts[-1] * actions * wide[depth] > _ENTRIES:
+            break
+        began = time.thread_time()
+        sequences, merged = sequences_from(replace(problem, horizon=depth), start)
+        neg_entropies = sequences.neg_entropies()
+        followed = time.thread_time()
+        capacity_of(sequences, neg_entropies, problem.tolerance, merged)
+        following, solving = followed - began, time.thread_time() - followed
+        counts.append(float(sequences.sequences))
+        if following + solving > _TRIAL:
+            break
+    known = len(counts) - 1
+    leaves = _continued(np.array(counts), horizon)
+    entries = leaves * wide
+    before = np.concatenate([[0.0], entries[:-1]])
+    held = np.minimum(before, ENOUGH * actions) if _grows(counts, actions) else before
+    memory = _BYTES * held + 8 * _NUMBERS * leaves + _POOL * wide * np.minimum(leaves, 8 * wide)
+    relative = np.maximum(entries / max(entries[known], 1.0), 1e-3)
+    # The divergences of all sequences, of a few rounds, are a part of following them.
+    seconds = following * 1.3 * relative + solving * (wide / wide[known]) ** 2
+    return memory / 2**30, np.maximum.accumulate(seconds)
+
+
+def _grows(counts: list[float], actions: int) -> bool:
+    """Whether beliefs are no longer merged after a while."""
+    return len(counts) > 1 and counts[-1] >= FEWER * actions * counts[-2]
+
+
 def _compile(problem: Problem, start: int) -> None:
     """Does once what is timed later: the first time, it is compiled, for many seconds."""
     compile_kernels()
+    compile_last_actions()
+    compile_solver()
     beliefs = outcomes_after(problem.successors, start, min(1, problem.horizon))
     solve_channel(problem, beliefs.states, beliefs.matrix)
     best_inputs(np.array([[0.9, 0.1], [0.2, 0.8]]), 1e-6)

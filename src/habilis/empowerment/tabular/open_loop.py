@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,6 +47,18 @@ class Problem:
     horizon: int
     tolerance: float
     most_entries: int = 2**62
+
+    @cached_property
+    def last(self) -> "csr_array":
+        """float64[S * A, O], what is observed after an action if it is the last one."""
+        from scipy.sparse import csr_array
+
+        moves = self.successors
+        if moves.seen is not None:
+            return moves.seen
+        some = moves.probability, moves.state, moves.first
+        shape = len(moves.first) - 1, moves.states
+        return csr_array(csr_array(some, shape=shape) @ self.sensor)
 
 
 def problem_of(
@@ -162,15 +175,10 @@ def solve_channel(
     matrix: "Float64[np.ndarray, 'K N'] | csr_array",
 ) -> Answer:
     """The capacity of the channel from rows of beliefs through the sensor; 0 without any row."""
-    seen = problem.sensor[states]
-    observations = np.unique(seen.indices).astype(np.int64)
-    channel, rows = distinct(np.ascontiguousarray(matrix @ seen[:, observations].toarray()))
-    possible = channel.any(axis=0)
-    channel, observations = np.ascontiguousarray(channel[:, possible]), observations[possible]
-    rows = rows.astype(np.int64)
+    channel, observations, rows = _channel_of(problem, states, matrix)
     inputs = np.full(len(channel), 1 / max(len(channel), 1))
     hidden = 0 if problem.successors.seen is None else problem.successors.states
-    merged = _merging_error(len(states) + hidden, problem.horizon, len(observations))
+    merged = merging_error(len(states) + hidden, problem.horizon, len(observations))
     if len(channel) <= 1 or len(observations) == 1:
         return Answer(0.0, 0.0, channel, observations, rows, inputs)
     if (channel.max(axis=1) == 1).all():  # no noise is left: all inputs alike
@@ -181,7 +189,31 @@ def solve_channel(
     return Answer(bits, gap, channel, observations, rows, inputs)
 
 
-def _merging_error(states: int, horizon: int, observations: int) -> float:
+def channel_of_ends(problem: Problem, start: int) -> tuple[int, Float64[np.ndarray, "K O"]]:
+    """How many states and the distinct rows of the channel, where no action is uncertain.
+
+    Raises:
+        TooManyBeliefsError: there are more beliefs than `most_entries` allows.
+    """
+    beliefs = outcomes_after(problem.successors, start, problem.horizon, problem.most_entries)
+    return len(beliefs.states), _channel_of(problem, beliefs.states, beliefs.matrix)[0]
+
+
+def _channel_of(
+    problem: Problem,
+    states: Int32[np.ndarray, "N"],
+    matrix: "Float64[np.ndarray, 'K N'] | csr_array",
+) -> tuple[Float64[np.ndarray, "k O"], Int64[np.ndarray, "O"], Int64[np.ndarray, "k"]]:
+    """Distinct rows over the observations that are possible, these, and where the rows were."""
+    seen = problem.sensor[states]
+    observations = np.unique(seen.indices).astype(np.int64)
+    channel, rows = distinct(np.ascontiguousarray(matrix @ seen[:, observations].toarray()))
+    possible = channel.any(axis=0)
+    channel = np.ascontiguousarray(channel[:, possible])
+    return channel, observations[possible], rows.astype(np.int64)
+
+
+def merging_error(states: int, horizon: int, observations: int) -> float:
     """By how many bits merging beliefs that differ by rounding can change a capacity.
 
     A row changes by at most `SAME * states * (horizon + 1) / 2` in total variation.

@@ -1,19 +1,24 @@
 """The empowerment of many states where outcomes or the sensor are uncertain."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from habilis.channels.small_channels import MOST_OUTPUTS
 from habilis.empowerment.availability import with_nowhere
-from habilis.empowerment.limits import Limits, too_much
-from habilis.empowerment.tabular.beliefs import TooManyBeliefsError, unheard
+from habilis.empowerment.limits import Limits, Progress, too_much
+from habilis.empowerment.tabular.beliefs import TooManyBeliefsError, states_within, unheard
+from habilis.empowerment.tabular.blocks import in_turn
+from habilis.empowerment.tabular.column_generation import certified
 from habilis.empowerment.tabular.cost import check_effort, check_samples, most_entries
-from habilis.empowerment.tabular.open_loop import Answer, Problem, exact, sampled
+from habilis.empowerment.tabular.open_loop import Problem, sampled
+from habilis.probabilities import shape_of
+from habilis.processors import processors
 
 Bits = Float64[np.ndarray, "n"]
+_LITTLE = 10_000  # sequences, of all states, for which a thread costs more than it does
 _LONG = 64  # actions above which fewer with the same outcomes are looked for
 Tell = Callable[[int, int], None]
 """Receives how many states are done, and how many there are."""
@@ -22,23 +27,26 @@ Tell = Callable[[int, int], None]
 def certified_bits(
     problem: Problem,
     starts: Int64[np.ndarray, "n"],
-    threads: int,
+    threads: int | None,
     limits: Limits,
     report: Tell = unheard,
 ) -> tuple[Bits, Bits]:
-    """Empowerment and gap of states, float64[n] bits each.
+    """Empowerment and gap of states, float64[n] bits each; without `threads` as many as pay.
 
     Raises:
         ValueError: it would take more than the limits; see `effort.check_effort`.
     """
     problem = _soonest(problem)
+    threads = threads or _worthwhile(problem, starts)
     check_effort(problem, starts, threads, limits)
     at_once = min(threads, len(starts)) or 1
     problem = replace(problem, most_entries=most_entries(limits, at_once))
 
-    def answer(start: int) -> Answer:
+    _ = problem.last  # once, before there are threads
+
+    def answer(start: int) -> tuple[float, float]:
         try:
-            return exact(problem, start)[1]
+            return certified(problem, start)
         except TooManyBeliefsError as error:
             raise too_much(problem.horizon, error.horizon, limits) from None
 
@@ -59,6 +67,19 @@ def _soonest(problem: Problem) -> Problem:
     return replace(problem, horizon=horizon)
 
 
+def _worthwhile(problem: Problem, starts: Int64[np.ndarray, "n"]) -> int:
+    """As many threads as processors, unless there is little to do, or BLAS does it."""
+    horizon, actions = problem.horizon, problem.successors.actions
+    if not len(starts) or horizon * np.log(actions) + np.log(len(starts)) < np.log(_LITTLE):
+        return 1
+    if shape_of(problem.sensor)[1] > MOST_OUTPUTS:
+        widest = [starts[0], starts[len(starts) // 2], starts[-1]]
+        near = [states_within(problem.successors, int(start), horizon)[-1] for start in widest]
+        if max(near) > MOST_OUTPUTS:
+            return 1
+    return processors()
+
+
 def lower_bounds(
     problem: Problem,
     starts: Int64[np.ndarray, "n"],
@@ -74,31 +95,26 @@ def lower_bounds(
         ValueError: it would take more than the limits; see `effort.check_samples`.
     """
     check_samples(problem, starts, samples, threads, limits)
-    return _for_all(lambda start: sampled(problem, start, samples, seed), starts, threads, report)
+
+    def answer(start: int) -> tuple[float, float]:
+        found = sampled(problem, start, samples, seed)
+        return found.bits, found.gap
+
+    return _for_all(answer, starts, threads, report)
 
 
 def _for_all(
-    answer: Callable[[int], Answer],
+    answer: Callable[[int], tuple[float, float]],
     starts: Int64[np.ndarray, "n"],
     threads: int,
     report: Tell,
 ) -> tuple[Bits, Bits]:
     """Bits and gaps; a state's are the same whatever thread works on it."""
     asked, place = np.unique(starts, return_inverse=True)
+    found = np.zeros((len(asked), 2))
 
-    def both(start: int) -> tuple[float, float]:
-        found = answer(start)
-        return found.bits, found.gap
+    def work(part: int, watch: Progress) -> None:
+        found[part] = answer(int(asked[part]))
 
-    pairs = []
-    if threads == 1 or len(asked) < 2:
-        for start in asked.tolist():
-            pairs.append(both(start))
-            report(len(pairs), len(asked))
-    else:
-        with ThreadPoolExecutor(threads) as pool:
-            for pair in pool.map(both, asked.tolist()):
-                pairs.append(pair)
-                report(len(pairs), len(asked))
-    values = np.array(pairs).reshape(-1, 2)
-    return values[place, 0], values[place, 1]
+    in_turn(work, len(asked), threads, lambda share: report(round(share * len(asked)), len(asked)))
+    return found[place, 0], found[place, 1]
