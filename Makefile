@@ -6,7 +6,7 @@ APART := .venv-integration
 OLDEST := .venv-oldest
 
 .PHONY: test test-slow test-long test-all test-studio test-studies test-integration test-oldest paper quick multiverse studies check format docs calibrate pace reconstruct readings tools survey \
-	bench bench-sb3 page protocol studio-picture clean sbom
+	bench bench-sb3 performance page protocol studio-picture clean sbom
 
 # The whole product, on all processors, the tests of a file together: four minutes on two cores.
 test: $(INSTALLED)
@@ -125,6 +125,10 @@ studio-picture: $(INSTALLED)
 
 bench: $(INSTALLED)
 	$(BIN)/habilis bench
+
+# Every benchmark, for the page docs/explanation/performance.md. Half an hour.
+performance: $(INSTALLED) $(APART)/installed
+	$(BIN)/python -m research.performance
 
 # Beside Stable-Baselines3, in the environment of the integration tests.
 bench-sb3: $(APART)/installed

@@ -13,6 +13,7 @@ BENCHMARKS = (
     "start",
     "empowerment",
     "scale",
+    "growth",
     "kinds",
     "worlds",
     "models",
@@ -24,7 +25,7 @@ BENCHMARKS = (
 )
 _EXTRAS = {"learning": "learn", "lanes": "learn", "sb3": "learn", "studio": "studio"}
 _LARGE = ("kinds",)  # which have sizes that take minutes
-_APART = ("sb3", "lanes")  # measured when named: it needs torch, or is of interest on a GPU
+_APART = ("sb3", "lanes", "growth")  # when named: needs torch, is of interest on a GPU, minutes
 
 ROUNDS = 5
 _WARM = 0.5  # seconds; kernels that are called for less are not compiled (habilis.compiled)

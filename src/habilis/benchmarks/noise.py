@@ -7,26 +7,27 @@ from habilis.benchmarks.channels import blahut_arimoto
 from habilis.empowerment import empowerment
 from habilis.mdp import TabularMDP
 
-_SIDE, _WALLS = 10, 15
+_SIDE = 10
+_WALLS = 0.15  # a cell
 _SLIP = 0.125  # 0.9 for the intended action, 0.025 for each of the four others
 _ASKED = 4  # states that the enumeration is timed on
 
 
-def maze(seed: int = 0) -> TabularMDP:
-    """A slippery 10x10 maze: walls between cells; four moves and to stay."""
+def maze(seed: int = 0, side: int = _SIDE) -> TabularMDP:
+    """A slippery square maze: walls between cells; four moves and to stay."""
     rng = np.random.default_rng(seed)
-    row, column = np.divmod(np.arange(_SIDE**2), _SIDE)
+    row, column = np.divmod(np.arange(side**2), side)
     steps = np.array([(-1, 0), (0, 1), (1, 0), (0, -1), (0, 0)])
     r, c = row[:, None] + steps[:, 0], column[:, None] + steps[:, 1]
-    inside = (r >= 0) & (r < _SIDE) & (c >= 0) & (c < _SIDE)
-    table = np.where(inside, r * _SIDE + c, np.arange(_SIDE**2)[:, None])
-    for cell, side in rng.integers((_SIDE**2, 4), size=(_WALLS, 2)):
-        beyond = table[cell, side]
-        table[beyond, (side + 2) % 4], table[cell, side] = beyond, cell
+    inside = (r >= 0) & (r < side) & (c >= 0) & (c < side)
+    table = np.where(inside, r * side + c, np.arange(side**2)[:, None])
+    for cell, way in rng.integers((side**2, 4), size=(round(_WALLS * side**2), 2)):
+        beyond = table[cell, way]
+        table[beyond, (way + 2) % 4], table[cell, way] = beyond, cell
     return TabularMDP.deterministic(table).slippery(_SLIP)
 
 
-def enumerate_sequences(mdp: TabularMDP, state: int, horizon: int) -> float:
+def enumerate_noisy_sequences(mdp: TabularMDP, state: int, horizon: int) -> float:
     """A state's empowerment as it is commonly computed: all sequences, then plain iteration."""
     beliefs = np.eye(mdp.states)[[state]]
     ways = [mdp.transition(action).toarray() for action in range(mdp.action_count)]
@@ -40,13 +41,13 @@ def results() -> list[Result]:
     lines = []
     found = {horizon: empowerment(mdp, horizon, return_gap=True) for horizon in (4, 6)}
     asked = np.linspace(0, mdp.states - 1, _ASKED).astype(int)
-    listed = [enumerate_sequences(mdp, state, 4) for state in asked]
+    listed = [enumerate_noisy_sequences(mdp, state, 4) for state in asked]
     assert np.allclose(listed, found[4][0][asked], atol=3e-6)
     seconds = times(
         {
             "4": lambda: empowerment(mdp, 4),
             "6": lambda: empowerment(mdp, 6),
-            "plain": lambda: [enumerate_sequences(mdp, state, 4) for state in asked],
+            "plain": lambda: [enumerate_noisy_sequences(mdp, state, 4) for state in asked],
         }
     )
     for horizon, (_, gap) in found.items():
