@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import habilis as hb
 from habilis.mdp import TabularMDP
 
 RING = [[1, 0], [2, 0], [0, 0]]
@@ -128,3 +129,18 @@ def test_the_table_is_a_copy():
     mdp = TabularMDP.deterministic(mine)
     mine[0, 0] = 7
     assert mdp.next_state[0, 0] == 0
+
+
+def test_the_bytes_of_a_table_are_those_that_the_documentation_says():
+    for world in (hb.load_world("yard"), hb.load_world("corridor", tool="none")):
+        mdp = hb.tabulate(world)
+        S, A, F, G = mdp.states, mdp.action_count, len(mdp.factors), len(mdp.flags)
+        labels = 1 + 4 * F + G + 4  # with the reward of entering a state, which worlds have
+        assert mdp.nbytes == S * (8 * A + labels)
+        noisy = mdp.slippery(0.1)
+        outcomes = sum(noisy.transition(action).nnz for action in range(A))  # k S A
+        narrow, wide = ((8 + b) * outcomes + S * (A * (4 + b) + labels) + b for b in (4, 8))
+        assert noisy.nbytes in (narrow, wide)
+    assert TabularMDP.deterministic(RING).nbytes == 3 * (8 * 2 + 1)
+    full = TabularMDP.stochastic(np.full((3, 2, 3), 1 / 3))
+    assert full.nbytes == 3 * (2 * (12 * 3 + 8) + 1) + 4

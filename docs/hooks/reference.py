@@ -30,6 +30,7 @@ PACKAGES = (
     "habilis.estimators.simulators",
     "habilis.learning",
     "habilis.sweeps",
+    "habilis.tasks",
     "habilis.worlds",
     "habilis.worlds.pictures",
 )

@@ -329,3 +329,22 @@ class TabularMDP:
     def action_count(self) -> int:
         """A, how many actions there are."""
         return self.reward.shape[1]
+
+    @property
+    def nbytes(self) -> int:
+        """How many bytes its arrays take, those in a file included.
+
+        With A actions, F factors and G flags a state of a deterministic table takes 8 A + 1 + 4 F
+        + G bytes; one of a stochastic table with k outcomes of an action A (12 k + 8) + 1 + 4 F
+        + G, or where SciPy has chosen indices of 64 bits A (16 k + 12) + 1 + 4 F + G. Where there
+        is an `entry_reward`, as in worlds, it takes 4 more.
+        """
+        arrays = [self.reward, self.terminal, *self.factors.values(), *self.flags.values()]
+        if self.entry_reward is not None:
+            arrays.append(self.entry_reward)
+        if isinstance(self.transitions, np.ndarray):
+            arrays.append(self.transitions)
+        else:
+            csr = self.transitions
+            arrays += [csr.data, csr.indices, csr.indptr]
+        return sum(array.nbytes for array in arrays)

@@ -40,6 +40,9 @@ def on_ray(address: str) -> Iterator[Executor[Task]]:
         address: of the cluster's head, as HOST:PORT; "auto" for the one this machine is part of;
             "local" to start one on this machine for as long as the executor is open.
 
+    Returns:
+        A context within which this process is connected to the cluster.
+
     Raises:
         ValueError: there is no cluster; or, when it is used, it is lost, a task fails, or its
             workers are lost again and again.

@@ -54,6 +54,9 @@ def processes(
         count: of processes, at most.
         warn: called with a line if fewer are started.
 
+    Returns:
+        A context within which the processes exist.
+
     Raises:
         ValueError: `count` is below 1; or, when the executor is used, a task fails, or its
             processes are lost again and again.

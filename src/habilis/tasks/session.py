@@ -163,6 +163,9 @@ def kept_in(
         executor: runs what is not there yet.
         resume: whether to go on in an existing folder.
 
+    Returns:
+        A context within which the folder is this process's alone.
+
     Raises:
         ValueError: the folder is in use, holds something else, or cannot be written to.
         Interrupted: a KeyboardInterrupt, while it is used: by Ctrl-C or SIGTERM; finished tasks

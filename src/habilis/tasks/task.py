@@ -49,6 +49,9 @@ class Task(Protocol):
     def check(self, result: Arrays) -> None:
         """Refuses a result that is not of this task, read from a damaged or exchanged file.
 
+        Args:
+            result: as it was read.
+
         Raises:
             ValueError, KeyError: what is wrong with it.
         """
@@ -62,15 +65,22 @@ T_contra = TypeVar("T_contra", bound=Task, contravariant=True)
 class Executor(Protocol[T_contra]):
     """Runs tasks, in any order.
 
-    Calls `done` in this process for each task, possibly more than once, and returns early if
-    `stopped` says so.
+    A function of the tasks, of `done` and of `stopped`: it calls `done` in this process with the
+    name and the result of each task, possibly more than once, and returns early if `stopped()` is
+    not 0.
     """
 
     def __call__(self, tasks: Sequence[T_contra], done: Done, stopped: Stopped, /) -> None: ...
 
 
 def in_turn(tasks: Sequence[Task], done: Done, stopped: Stopped = lambda: 0) -> None:
-    """The plainest executor: one task after another, in this process."""
+    """The plainest executor: one task after another, in this process.
+
+    Args:
+        tasks: to be run.
+        done: called with the name and the result of each.
+        stopped: returns something else than 0 to leave out the rest.
+    """
     for task in tasks:
         if stopped():
             return
