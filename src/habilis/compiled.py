@@ -33,6 +33,7 @@ class Compiled:
         plain: the function itself.
         operations: of a call; `None` compiles it at the first.
         instead: runs in place of plain Python, if given.
+        body: returns what is compiled in place of the function, if given.
         is_part: whether only other such functions call it.
     """
 
@@ -42,10 +43,12 @@ class Compiled:
         operations: Operations | None = None,
         instead: Callable[..., Any] | None = None,
         is_part: bool = False,
+        body: Callable[[], Callable[..., Any]] | None = None,
     ):
         self.plain: Callable[..., Any] = inspect.unwrap(function)  # tests check arguments
         update_wrapper(self, self.plain)
         self.operations, self.instead, self.is_part = operations, instead, is_part
+        self.body = body
         self._left = _SECONDS
         self._dispatcher: Any = None
 
@@ -73,7 +76,8 @@ class Compiled:
         if self._dispatcher is None:
             with _making:
                 if self._dispatcher is None:
-                    self._dispatcher = _dispatcher(self.plain, self.is_part)
+                    function = self.plain if self.body is None else inspect.unwrap(self.body())
+                    self._dispatcher = _dispatcher(function, self.is_part)
         return self._dispatcher
 
     @property
@@ -88,7 +92,9 @@ class Compiled:
 
 
 def compiled(
-    operations: Operations | None = None, instead: Callable[..., Any] | None = None
+    operations: Operations | None = None,
+    instead: Callable[..., Any] | None = None,
+    body: Callable[[], Callable[..., Any]] | None = None,
 ) -> Callable[[Function], Function]:
     """Makes a function that is compiled once its calls have been much work together.
 
@@ -99,8 +105,10 @@ def compiled(
         operations: takes the arguments of a call, and returns roughly how many elementary
             operations it is, at most; `None` compiles the function at its first call.
         instead: the same in NumPy, which runs in place of plain Python.
+        body: returns the same written for Numba alone, which is compiled in place of the function;
+            so a module that needs Numba is not imported before.
     """
-    return lambda function: cast(Function, Compiled(function, operations, instead))
+    return lambda function: cast(Function, Compiled(function, operations, instead, body=body))
 
 
 def part(function: Function) -> Function:

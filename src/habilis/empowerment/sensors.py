@@ -21,6 +21,8 @@ the state that it led to.
 
 STATE, REST, AGENT = "state", "rest", "agent"
 
+_SPREAD = 4  # times as many labels as states, up to which a place for each label is cheap
+
 
 def is_noisy(sensor: Sensor) -> bool:
     """Whether a sensor is given as probabilities of observations."""
@@ -128,6 +130,12 @@ def observations(mdp: TabularMDP, sensor: Sensor) -> tuple[Int32[np.ndarray, "S"
                 f"sensor has shape {labels.shape} and type {labels.dtype}; give one integer label "
                 f"for each of the {mdp.states} states, as np.unique(labels, return_inverse=True)[1]"
             )
+    if labels.min(initial=0) >= 0 and labels.max(initial=0) <= _SPREAD * len(labels):
+        used = np.zeros(int(labels.max(initial=0)) + 1, np.bool_)
+        labels = labels.astype(np.int64, copy=False)
+        used[labels] = True  # sorting millions of labels takes longer than all that follows
+        number = np.cumsum(used, dtype=np.int32) - np.int32(1)
+        return number[labels], int(used.sum())
     values, renumbered = np.unique(labels, return_inverse=True)
     return renumbered.astype(np.int32), len(values)
 

@@ -14,7 +14,7 @@ states that show it, or for each state asked about, carried forward to all that 
 from collections.abc import Generator
 
 import numpy as np
-from jaxtyping import Int32, Int64, UInt64
+from jaxtyping import Int32, Int64, UInt8, UInt64
 
 from habilis.compiled import compile_now, compiled, paths
 from habilis.empowerment.limits import Progress, unwatched
@@ -22,7 +22,6 @@ from habilis.empowerment.tabular.blocks import in_blocks, in_turn
 from habilis.empowerment.tabular.recurring import FIRST_LOOK, last_of, recurring
 
 _WORD = 64
-_FEW_WORDS = 4
 _IN_NUMPY = 50  # words united while plain Python does an operation
 _PARTS = 8  # of the starts, for each thread: they are done one after another
 _STARTS = 500  # in a part at least
@@ -35,14 +34,34 @@ def count_backward(
     horizon: int,
     threads: int = 1,
     watch: Progress = unwatched,
+    first: UInt8[np.ndarray, "S"] | None = None,
 ) -> Int64[np.ndarray, "S"]:
     """|O_h(s)| for every state, by packed bits: S * A * h * ceil(labels / 64) word operations.
 
-    Stops at a fixed point, and goes on from a period with the remainder of the horizon. Memory:
-    three sets of ceil(labels / 64) words of 8 bytes a state.
+    Stops at a fixed point, and goes on from a period with the remainder of the horizon. The last
+    step's sets are counted as they are made, and not kept. Memory: three sets of
+    ceil(labels / 64) words of 8 bytes a state.
+
+    Args:
+        next_state, labels, label_count, horizon: as above.
+        threads: how many work side by side.
+        watch: is called with the share that is done.
+        first: the step before which a state's set is surely what the state itself shows (see
+            `changing`); by default 0.
     """
-    grown = sets_backward(next_state, labels, label_count, horizon, threads)
-    return sizes(last_of(grown, horizon, watch))
+    counts = (labels >= 0).astype(np.int64)
+    if horizon == 0:
+        return counts
+    first = np.zeros(len(labels), np.uint8) if first is None else first
+    grown = sets_backward(next_state, labels, label_count, horizon - 1, threads, first)
+    sets = last_of(grown, horizon - 1, lambda share: watch(share * (1 - 1 / horizon)))
+    in_blocks(
+        lambda a, b: count_unions(next_state, first, horizon, sets, counts, a, b),
+        len(labels),
+        sets.shape[1] * next_state.shape[1],
+        threads,
+    )
+    return counts
 
 
 def sizes(sets: UInt64[np.ndarray, "n W"]) -> Int64[np.ndarray, "n"]:
@@ -55,7 +74,8 @@ def sets_backward(
     labels: Int32[np.ndarray, "S"],
     label_count: int,
     horizon: int,
-    threads: int = 1,
+    threads: int,
+    first: UInt8[np.ndarray, "S"],
     *,
     jump: bool = True,
 ) -> Generator[tuple[UInt64[np.ndarray, "S W"], int], None, int]:
@@ -65,66 +85,81 @@ def sets_backward(
     bits = np.uint64(1) << (labels[shown] % _WORD).astype(np.uint64)
     sets[shown, labels[shown] // _WORD] = bits
     operations = sets.shape[1] * next_state.shape[1]
+    time = 0
 
     def step(before: np.ndarray, after: np.ndarray) -> bool:
+        nonlocal time
+        time += 1
         changed = in_blocks(
-            lambda a, b: unite(next_state, before, after, a, b), len(labels), operations, threads
+            lambda a, b: unite(next_state, first, time, before, after, a, b),
+            len(labels),
+            operations,
+            threads,
         )
         return any(changed)
 
     return recurring(step, sets, horizon, jump=jump)
 
 
-def _united(
-    next_state: Int32[np.ndarray, "S A"],
-    sets: UInt64[np.ndarray, "S W"],
-    out: UInt64[np.ndarray, "S W"],
-    begin: int,
-    end: int,
-) -> bool:
-    """`unite` in NumPy: twice the time, and no compiler."""
-    union = out[begin:end]
-    union[...] = sets[next_state[begin:end, 0]]
-    for a in range(1, next_state.shape[1]):
-        union |= sets[next_state[begin:end, a]]
-    return bool((union != sets[begin:end]).any())
-
-
-def words_united(next_state, sets, out, begin, end):
-    """What `unite` costs in NumPy, in operations of plain Python."""
+def words_united(next_state, first, time, sets, out, begin, end):
+    """What a step costs in NumPy, in operations of plain Python."""
     return (end - begin) * next_state.shape[1] * sets.shape[1] / _IN_NUMPY
 
 
-@compiled(words_united, _united)
+def _unite_rows():
+    from habilis.empowerment.tabular.rows import unite_rows
+
+    return unite_rows
+
+
+def _count_rows():
+    from habilis.empowerment.tabular.rows import count_rows
+
+    return count_rows
+
+
+@compiled(words_united, body=_unite_rows)
 def unite(
     next_state: Int32[np.ndarray, "S A"],
+    first: UInt8[np.ndarray, "S"],
+    time: int,
     sets: UInt64[np.ndarray, "S W"],
     out: UInt64[np.ndarray, "S W"],
     begin: int,
     end: int,
 ) -> bool:
-    """One step backward: out[s] = union over a of sets[next(s, a)]; says if anything changed."""
-    changed = False
-    if sets.shape[1] <= _FEW_WORDS:  # a word stays in a register while its successors' come
-        for s in range(begin, end):
-            for w in range(sets.shape[1]):
-                word = np.uint64(0)
-                for a in range(next_state.shape[1]):
-                    word |= sets[next_state[s, a], w]
-                out[s, w] = word
-                changed |= word != sets[s, w]
-        return changed
-    for s in range(begin, end):  # whole sets at a time, several words in one instruction
-        first = next_state[s, 0]
-        for w in range(sets.shape[1]):
-            out[s, w] = sets[first, w]
-        for a in range(1, next_state.shape[1]):
-            t = next_state[s, a]
-            for w in range(sets.shape[1]):
-                out[s, w] |= sets[t, w]
-        for w in range(sets.shape[1]):
-            changed |= out[s, w] != sets[s, w]
-    return changed
+    """Step `time` backward: out[s] = union over a of sets[next(s, a)]; says if anything changed.
+
+    States whose sets cannot change yet are left out: `out` has theirs already.
+    """
+    rows, union = _unions(next_state, first, time, sets, begin, end)
+    out[rows] = union
+    return bool((union != sets[rows]).any())
+
+
+@compiled(words_united, body=_count_rows)
+def count_unions(
+    next_state: Int32[np.ndarray, "S A"],
+    first: UInt8[np.ndarray, "S"],
+    time: int,
+    sets: UInt64[np.ndarray, "S W"],
+    out: Int64[np.ndarray, "S"],
+    begin: int,
+    end: int,
+) -> None:
+    """As `unite`, but writes how many bits of each set there are."""
+    rows, union = _unions(next_state, first, time, sets, begin, end)
+    out[rows] = sizes(union)
+
+
+def _unions(next_state, first, time, sets, begin, end):
+    """The states of a block whose sets may change in a step, and these sets, in NumPy."""
+    rows = begin + np.flatnonzero(first[begin:end] <= time)
+    successors = next_state[rows]
+    union = sets[successors[:, 0]]
+    for a in range(1, successors.shape[1]):
+        union |= sets[successors[:, a]]
+    return rows, union
 
 
 def count_forward(

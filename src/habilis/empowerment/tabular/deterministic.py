@@ -6,9 +6,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Int32, Int64
+from jaxtyping import Int32, Int64, UInt8
 
-from habilis.compiled import INTERPRETED, compile_now, compiled, paths
+from habilis.compiled import INTERPRETED, compile_now
 from habilis.empowerment.limits import (
     UNLIMITED,
     Limits,
@@ -17,17 +17,21 @@ from habilis.empowerment.limits import (
     unwatched,
     watched,
 )
+from habilis.empowerment.tabular.changing import changing
+from habilis.empowerment.tabular.changing import memory as memory_of_changing
 from habilis.empowerment.tabular.columns import Columns, memory
 from habilis.empowerment.tabular.counting import (
     compile_lists,
     count_backward,
     count_forward,
+    count_unions,
     few_steps,
     sets_backward,
     sizes,
     unite,
     words_united,
 )
+from habilis.empowerment.tabular.neighbourhoods import neighbourhood
 from habilis.empowerment.tabular.recurring import FIRST_LOOK, repeated
 from habilis.empowerment.tabular.windows import Window, count_in_window, window_of, worth_a_window
 
@@ -42,6 +46,7 @@ _LIST_STEPS = 2_000_000  # steps from state to state that a list may cost
 _TRIED = 16  # states whose lists are tried out
 _LONG = 64  # actions above which a shorter horizon with the same sets is looked for
 _TRIFLE = 2_000_000  # state-actions in all steps below which that takes longer than it saves
+_NARROW = 192  # labels up to which a step costs less than looking for what it can change
 _GIB = 2**30
 
 Counts = Int64[np.ndarray, "n"]
@@ -77,6 +82,25 @@ class Question:
     report: Progress = unwatched
 
 
+@dataclass(frozen=True)
+class _Part:
+    """The part of a question that is worked on.
+
+    Attributes:
+        asked: the question of its states alone.
+        place: the places of the starts in it.
+        levels: how many states it has if the horizon is 0, 1, ..., up to where they are no more.
+        first: the step before which the set of each is surely what the state shows.
+        besides: bytes that it takes besides the question's table.
+    """
+
+    asked: Question
+    place: Int32[np.ndarray, "n"] | Int64[np.ndarray, "n"]
+    levels: Levels
+    first: UInt8[np.ndarray, "S"]
+    besides: int = 0
+
+
 def counts(question: Question) -> Counts:
     """The number of observations reachable with h actions.
 
@@ -86,33 +110,32 @@ def counts(question: Question) -> Counts:
     Raises:
         TooMuchError: it would take more than the limits.
     """
-    asked, place, levels = _near(question)
-    horizon = question.horizon
+    part, horizon = _changing(_near(question)), question.horizon
+    asked = part.asked
     if horizon == 0:
-        return (asked.labels >= 0).astype(np.int64)[place]
-    steps, graph = asked.horizon, None
+        return (asked.labels >= 0).astype(np.int64)[part.place]
+    steps, graph = horizon, None
     if steps > _LONG and asked.table.size * steps > _TRIFLE:
         from habilis.empowerment.tabular.eventual import same_horizon
         from habilis.empowerment.tabular.spreading import Graph
 
-        _check(question.horizon, asked, levels, _graph_bytes(asked))
+        _check(horizon, part, _graph_bytes(asked))
         graph = Graph.of(asked.table)
         steps = same_horizon(graph, steps)
     asked = replace(asked, horizon=steps)
-    if asked.cells is not None and asked.shape is not None and worth_a_window(asked.shape):
-        found = _in_window(question, asked, levels)
+    part = replace(part, asked=asked)
+    if _in_cells(asked):
+        found = _in_window(question, part)
         if found is not None:
-            return found[place]
+            return found[part.place]
     if asked.label_count <= MOST_PACKED_LABELS:
-        gib = _check(
-            question.horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64))
-        )
+        gib = _check(horizon, part, _packed_bytes(asked, -(-asked.label_count // 64)))
         _compile_packed(asked)
         watch = watched(horizon, steps, gib, question.limits, question.report)
         return count_backward(
-            asked.table, asked.labels, asked.label_count, steps, asked.threads, watch
-        )[place]
-    return _of_many_labels(question, asked, place, levels, graph)
+            asked.table, asked.labels, asked.label_count, steps, asked.threads, watch, part.first
+        )[part.place]
+    return _of_many_labels(question, part, graph)
 
 
 def counts_by_horizon(question: Question) -> Int64[np.ndarray, "horizons n"]:
@@ -139,14 +162,21 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
     Raises:
         TooMuchError: it would take more than the limits.
     """
-    asked, place, levels = _near(question)
+    part = _changing(_near(question))
+    asked, place = part.asked, part.place
     horizon, limits = question.horizon, question.limits
     if asked.label_count <= MOST_PACKED_LABELS:
-        gib = _check(horizon, asked, levels, _packed_bytes(asked, -(-asked.label_count // 64)))
+        gib = _check(horizon, part, _packed_bytes(asked, -(-asked.label_count // 64)))
         _compile_packed(asked)
         watch = watched(horizon, horizon, gib, limits, question.report)
         sets = sets_backward(
-            asked.table, asked.labels, asked.label_count, horizon, asked.threads, jump=False
+            asked.table,
+            asked.labels,
+            asked.label_count,
+            horizon,
+            asked.threads,
+            part.first,
+            jump=False,
         )
         rows: list[Counts] = []
         while True:
@@ -162,7 +192,7 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
 
     # A block of columns has a period of its own: all of them together seldom have a short one.
     columns = Columns.of(asked.labels, asked.label_count, None)
-    gib = _check(horizon, asked, levels, _columns_bytes(asked, columns))
+    gib = _check(horizon, part, _columns_bytes(asked, columns))
     check_memory(*_rows_gib(question, len(place), horizon + 1, gib), horizon, limits)
     _compile_columns(False)
     watch = watched(horizon, horizon, gib, limits, question.report)
@@ -188,16 +218,17 @@ def _rows_gib(question: Question, size: int, rows: int, besides: float = 0) -> t
 
 
 def _compile_packed(asked: Question) -> None:
+    states = len(asked.table)
     words = np.empty((0, -(-asked.label_count // 64)), np.uint64)
-    step = words_united(asked.table, words, words, 0, len(asked.table))
+    step = words_united(asked.table, None, 1, words, words, 0, states)
     if step * asked.horizon > INTERPRETED:
         _compile_union()
 
 
 @lru_cache(1)
 def _compile_union() -> None:
-    compile_now(unite)
-    count_backward(np.zeros((1, 1), np.int32), np.zeros(1, np.int32), 1, 1)
+    compile_now(unite, count_unions)
+    count_backward(np.zeros((1, 1), np.int32), np.zeros(1, np.int32), 1, 2)
 
 
 @lru_cache(1)
@@ -224,92 +255,54 @@ def _compile_lists() -> None:
     count_forward(table, labels, 1, 1, starts)
 
 
-def _near(question: Question) -> tuple[Question, Counts, Levels]:
-    """The part of a question that h actions can touch, the starts in it, and its growth.
-
-    Returns:
-        The question of all states of that part; the places of the starts; and how many states 0,
-        1, ... actions can touch, up to where they are no more.
-    """
+def _near(question: Question) -> _Part:
+    """The part of a question that h actions can touch."""
     if question.starts is None:
         states = len(question.table)
-        return question, np.arange(states), np.array([states])
+        first = np.zeros(states, np.uint8)
+        return _Part(question, np.arange(states), np.array([states]), first)
     near, table, place, levels = neighbourhood(question.table, question.starts, question.horizon)
     cells = None if question.cells is None else question.cells[near]
-    labels = question.labels[near]
-    return replace(question, table=table, labels=labels, cells=cells), place, levels
+    asked = replace(question, table=table, labels=question.labels[near], cells=cells)
+    return _Part(asked, place, levels, np.zeros(len(near), np.uint8))
 
 
-def neighbourhood(
-    table: Int32[np.ndarray, "S A"], starts: Int64[np.ndarray, "n"], horizon: int
-) -> tuple[Int64[np.ndarray, "N"], Int32[np.ndarray, "N A"], Counts, Levels]:
-    """The part of the table that h actions from the starts can touch.
-
-    Returns:
-        The N states reached within h actions, in order; the table over them alone (states on the
-        rim, whose successors no longer matter, stay where they are); the starts' places in it;
-        and how many states are reached within 0, 1, ... actions, up to where they are no more.
-    """
-    near, levels = _reached(table, starts, horizon)
-    near.sort()
-    place = np.full(len(table), -1, np.int32)
-    place[near] = np.arange(len(near), dtype=np.int32)
-    small = place[table[near]]
-    rim = small < 0
-    small[rim] = np.nonzero(rim)[0]
-    return near, small, place[starts].astype(np.int64), levels
-
-
-def _few_steps(table, starts, horizon):
-    return min(table.size, len(starts) * paths(table.shape[1], horizon)) / 10  # in NumPy
-
-
-def _reached_in_numpy(table, starts, horizon):
-    """`_reached`, with the states of each level in order."""
-    met = np.zeros(len(table), np.bool_)
-    newest = np.unique(starts)
-    met[newest] = True
-    found, levels = [newest], [len(newest)]
-    while len(newest) and len(levels) <= horizon:
-        led = table[newest].ravel()
-        newest = np.unique(led[~met[led]]).astype(np.int64)
-        met[newest] = True
-        found.append(newest)
-        levels.append(levels[-1] + len(newest))
-    return np.concatenate(found), np.array(levels, np.int64)
+def _changing(part: _Part) -> _Part:
+    """The part that h actions can change, where that is less work."""
+    asked, horizon = part.asked, part.asked.horizon
+    cells = asked.cells if _in_cells(asked) else None
+    many = asked.label_count > MOST_PACKED_LABELS and cells is None
+    if many or asked.label_count <= _NARROW or asked.table.size * horizon <= _TRIFLE:
+        return part
+    found = changing(asked.table, asked.labels, asked.label_count, horizon, asked.threads)
+    if found is None:
+        return part
+    if cells is not None:
+        of_label = np.zeros(asked.label_count + 1, np.int32)
+        of_label[asked.labels] = cells  # the last: without a label
+        cells = of_label[found.labels]
+    levels = np.arange(max(len(part.levels), len(found.sizes)))
+    levels = np.minimum(
+        part.levels[np.minimum(levels, len(part.levels) - 1)],
+        found.sizes[np.minimum(levels, len(found.sizes) - 1)],
+    )
+    return _Part(
+        replace(asked, table=found.table, labels=found.labels, cells=cells),
+        found.place if asked.starts is None else found.place[part.place],
+        levels,
+        found.first,
+        memory_of_changing(len(found.table), *asked.table.shape),
+    )
 
 
-@compiled(_few_steps, _reached_in_numpy)
-def _reached(table, starts, horizon):
-    states = len(table)
-    met = np.zeros(states, np.bool_)
-    found = np.empty(states, np.int64)
-    levels = np.empty(min(horizon, states) + 1, np.int64)
-    count = 0
-    for s in starts:
-        if not met[s]:
-            met[s] = True
-            found[count] = s
-            count += 1
-    levels[0] = count
-    begin, time = 0, 0
-    while begin < count and time < horizon:
-        end = count
-        for k in range(begin, end):
-            for a in range(table.shape[1]):
-                s = np.int64(table[found[k], a])
-                if not met[s]:
-                    met[s] = True
-                    found[count] = s
-                    count += 1
-        begin = end
-        time += 1
-        levels[time] = count
-    return found[:count].copy(), levels[: time + 1].copy()
+def _in_cells(asked: Question) -> bool:
+    """Whether labels are cells of a map so large that a window may be worth it."""
+    return asked.cells is not None and asked.shape is not None and worth_a_window(asked.shape)
 
 
-def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | None:
+def _in_window(question: Question, part: _Part) -> Counts | None:
     """To how many cells a thing can be brought, if looking at those near it saves anything."""
+    asked = part.asked
     assert asked.cells is not None
     assert asked.shape is not None
     row, column = (part.astype(np.int16) for part in np.divmod(asked.cells, asked.shape[1]))
@@ -317,7 +310,7 @@ def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | 
     words = min(-(-cells // 64), MOST_PACKED_LABELS // 64)
     limits, steps, table, threads = question.limits, asked.horizon, asked.table, asked.threads
     shown = asked.labels >= 0
-    gib = _check(question.horizon, asked, levels, lambda states: 24.0 * states)
+    gib = _check(question.horizon, part, lambda states: 24.0 * states)
     _compile_window()
     watch = watched(question.horizon, steps, gib, limits, question.report)
     # Shifting a word takes twice as long as uniting two, so half of them must be saved.
@@ -326,20 +319,18 @@ def _in_window(question: Question, asked: Question, levels: Levels) -> Counts | 
     )
     if window is None:
         return None
-    gib = _check(question.horizon, asked, levels, _window_bytes(asked, window))
+    gib = _check(question.horizon, part, _window_bytes(asked, window))
     watch = watched(question.horizon, steps, gib, limits, question.report)
     return count_in_window(table, row, column, steps, window, threads, shown=shown, watch=watch)
 
 
-def _of_many_labels(
-    question: Question, asked: Question, place: Counts, levels: Levels, graph: "Graph | None"
-) -> Counts:
+def _of_many_labels(question: Question, part: _Part, graph: "Graph | None") -> Counts:
     """As lists while sets are short, and as columns of bits where they outgrow these."""
-    starts, where = place, slice(None)
-    if question.starts is not None:
-        starts, where = np.unique(place, return_inverse=True)
+    asked, starts, where = part.asked, part.place, slice(None)
+    if question.starts is not None or len(asked.table) < len(question.table):
+        starts, where = np.unique(part.place.astype(np.int64), return_inverse=True)
     columns = Columns.of(asked.labels, asked.label_count, starts)
-    gib = _check(question.horizon, asked, levels, _columns_bytes(asked, columns))
+    gib = _check(question.horizon, part, _columns_bytes(asked, columns))
 
     def listed(chosen: Counts, threads: int, watch: Progress) -> None:
         found[chosen] = count_forward(
@@ -395,16 +386,18 @@ def _first_half(watch: Progress) -> Progress:
 # What it takes, in bytes, by how many states there are.
 
 
-def _check(horizon: int, asked: Question, levels: Levels, memory: Callable[[int], float]) -> float:
+def _check(horizon: int, part: _Part, memory: Callable[[int], float]) -> float:
     """The memory in GiB, unless it is above the limit.
 
     Raises:
         TooMuchError: with the largest horizon within which few enough states are touched.
     """
-    gib = memory(len(asked.table)) / _GIB
+    asked = part.asked
+    gib = (memory(len(asked.table)) + part.besides) / _GIB
     if gib > asked.limits.gib:
-        small = [memory(int(states)) / _GIB <= asked.limits.gib for states in levels]
-        check_memory(gib, max(sum(small) - 1, 0), horizon, asked.limits)
+        most = asked.limits.gib * _GIB - part.besides
+        fitting = sum(memory(int(states)) <= most for states in part.levels) - 1
+        check_memory(gib, max(fitting, 0), horizon, asked.limits)
     return gib
 
 
@@ -413,7 +406,7 @@ def _graph_bytes(asked: Question) -> Callable[[int], float]:
 
 
 def _packed_bytes(asked: Question, words: int) -> Callable[[int], float]:
-    planes = 3 if asked.horizon > FIRST_LOOK else 2
+    planes = 3 if asked.horizon >= 2 * FIRST_LOOK else 2
     return lambda states: 8.0 * planes * max(words, 1) * states
 
 

@@ -33,6 +33,7 @@ def recurring(
 
     Args:
         step: writes the next sets into its second argument; says if they differ from the first.
+            Those that have never changed it may leave out, for they are there already.
         first: the sets to begin with.
         horizon: how many steps.
         jump: whether to go on from a period with what is left of the horizon after whole periods,
@@ -42,10 +43,11 @@ def recurring(
     Returns:
         After how many steps the last sets come again, 1 at a fixed point; 0 if that is not known.
     """
-    sets, spare = first, np.empty_like(first)
+    sets = first
     kept, kept_at, keep_at, differs = None, 0, FIRST_LOOK, 0
     time, end, period = 0, horizon, 0
     yield sets, end
+    spare = sets.copy() if end else sets
     while time < end:
         changed = step(sets, spare)
         if not changed:
@@ -62,7 +64,7 @@ def recurring(
                     yield sets, 0
                     return period
                 end = time + (end - time) % period
-        if time == keep_at and not period:
+        if time == keep_at and not period and end - time >= FIRST_LOOK:
             if kept is None:
                 kept = np.empty_like(sets)
             kept[...] = sets
