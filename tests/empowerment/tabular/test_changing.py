@@ -1,6 +1,8 @@
 """Leaving out what h actions cannot change makes no difference, whatever the table."""
 
 import tracemalloc
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 
 import habilis as hb
 from habilis.benchmarks.counting import room
+from habilis.compiled import compile_now
 from habilis.empowerment.limits import Limits, TooMuchError, watched
 from habilis.empowerment.tabular import deterministic
 from habilis.empowerment.tabular.changing import changing
@@ -96,6 +99,11 @@ def test_what_nothing_changes_is_left_out_at_any_horizon():
     assert changing(table, np.arange(4, dtype=np.int32), 4, 10**9, 1) is None  # saves nothing
 
 
+def both(kernel: Any) -> list[Callable[..., Any]]:
+    """As it is compiled, and in NumPy."""
+    return [kernel.machine, kernel.uncompiled]
+
+
 @settings(deadline=None, max_examples=50)
 @given(st.integers(1, 40), st.integers(1, 9), st.integers(1, 17), st.integers(0, 2**32 - 1))
 def test_rows_of_any_length_are_united_and_counted(states, actions, words, seed):
@@ -108,15 +116,25 @@ def test_rows_of_any_length_are_united_and_counted(states, actions, words, seed)
     inside = np.zeros(states, np.bool_)
     inside[begin:end] = first[begin:end] <= 2
     union = np.where(inside[:, None], np.bitwise_or.reduce(sets[table], axis=1), sets)
-    for one in (unite.machine, unite.uncompiled):
+    for one in both(unite):
         out = sets.copy()
         assert one(table, first, 2, sets, out, begin, end) == bool((union != sets).any())
         assert np.array_equal(out, union)
     expected = np.where(inside, np.bitwise_count(union).sum(axis=1, dtype=np.int64), -1)
-    for one in (count_unions.machine, count_unions.uncompiled):
+    for one in both(count_unions):
         counted = np.full(states, -1, np.int64)
         one(table, first, 2, sets, counted, begin, end)
         assert np.array_equal(counted, expected)
+
+
+def test_a_table_may_be_a_view_of_another_array():
+    table = np.array([[1, 0, 1], [1, 1, 0], [0, 2, 2]], np.int32)[:, ::2]
+    labels = np.arange(3, dtype=np.int32)
+    for horizon in (1, 2, 3):
+        expected = truth(table, labels, horizon)
+        assert count_backward(table, labels, 3, horizon).tolist() == expected
+        compile_now(unite, count_unions)
+        assert count_backward(table, labels, 3, horizon).tolist() == expected
 
 
 def test_the_memory_foreseen_is_what_it_takes(monkeypatch: pytest.MonkeyPatch):

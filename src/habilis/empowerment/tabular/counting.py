@@ -53,6 +53,7 @@ def count_backward(
     if horizon == 0:
         return counts
     first = np.zeros(len(labels), np.uint8) if first is None else first
+    next_state = np.ascontiguousarray(next_state)
     grown = sets_backward(next_state, labels, label_count, horizon - 1, threads, first)
     sets = last_of(grown, horizon - 1, lambda share: watch(share * (1 - 1 / horizon)))
     in_blocks(
@@ -80,6 +81,7 @@ def sets_backward(
     jump: bool = True,
 ) -> Generator[tuple[UInt64[np.ndarray, "S W"], int], None, int]:
     """O_0, O_1, ... of every state, a bit a label, until they repeat; see `recurring`."""
+    next_state = np.ascontiguousarray(next_state)
     shown = np.flatnonzero(labels >= 0)
     sets = np.zeros((len(labels), max(-(-label_count // _WORD), 1)), np.uint64)
     bits = np.uint64(1) << (labels[shown] % _WORD).astype(np.uint64)

@@ -27,6 +27,8 @@ def _piece(width: int, counted: bool) -> Any:
     vector, bits = ir.VectorType(_NUMBER, width), ir.IntType(64 * width)
 
     def code(typing, table, sets, s, w, last):
+        if (table.layout, table.dtype, sets.layout) != ("C", types.int32, "C"):
+            return None
         result = types.int64 if counted else types.boolean
         return result(table, sets, types.int64, types.int64, last), generate
 
