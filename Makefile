@@ -6,7 +6,7 @@ APART := .venv-integration
 OLDEST := .venv-oldest
 
 .PHONY: test test-slow test-long test-all test-studio test-studies test-integration test-oldest paper quick multiverse studies check format docs calibrate pace reconstruct readings tools survey \
-	bench bench-sb3 performance page protocol studio-picture clean sbom
+	bench bench-sb3 performance pushing page protocol studio-picture clean sbom
 
 # The whole product, on all processors, the tests of a file together: four minutes on two cores.
 test: $(INSTALLED)
@@ -134,6 +134,11 @@ performance: $(INSTALLED) $(APART)/installed
 bench-sb3: $(APART)/installed
 	$(APART)/bin/habilis bench sb3
 
+# How a robot learns to push, with Stable-Baselines3: a quarter of an hour; goes on where it stopped.
+pushing: $(APART)/installed
+	$(APART)/bin/python -m research.pushing
+	$(APART)/bin/python -m research.pushing figures
+
 # torch, Stable-Baselines3 and gymnax are no dependencies of ours, and heavy; so is Storm.
 $(APART)/installed: pyproject.toml constraints-integration.txt
 	$(PYTHON) -m venv $(APART)
@@ -141,7 +146,7 @@ $(APART)/installed: pyproject.toml constraints-integration.txt
 		--constraint constraints-integration.txt torch==2.13.0
 	$(APART)/bin/python -m pip install --quiet --disable-pip-version-check \
 		--constraint constraints-integration.txt \
-		stable-baselines3==2.9.2 gymnax==1.0.1 six pytest beartype --editable ".[learn,gymnasium,storm]"
+		stable-baselines3==2.9.2 gymnax==1.0.1 six pytest beartype --editable ".[learn,gymnasium,robots,storm]"
 	touch $@
 
 # uv resolves to the oldest versions; the tools of the tests are those of constraints.txt.

@@ -180,3 +180,22 @@ def test_a_simulator_without_states_to_learn_from_is_refused():
 
     with pytest.raises(ValueError, match="no random_states"):
         hb.Variational().fit(Bare(), 1)
+
+
+def test_it_is_trained_on_the_states_that_are_given(tmp_path):
+    """Of 500 states one has a choice, and training on random ones hardly ever sees it."""
+    table = np.repeat(np.arange(500)[:, None], 2, axis=1)
+    table[7] = 8, 9
+    mdp = hb.TabularMDP.deterministic(table)
+    few: dict[str, Any] = {"rounds": 6, "width": 16, "samples": 400, "updates": 8}
+    given = hb.Variational(**few, states=[[7.0], [8.0]], folder=tmp_path)
+    bits = hb.empowerment(mdp, 1, states=[7, 8], method=given)
+    assert 0.8 < bits[0] <= 1
+    assert abs(bits[1]) < 0.05
+    once: dict[str, Any] = few | {"rounds": 1}
+    hb.Variational(**once, states=[[7.0]], folder=tmp_path).fit(simulators.FiniteSimulator(mdp), 1)
+    assert len(list(tmp_path.iterdir())) == 2  # other states, another checkpoint
+    with pytest.raises(ValueError, match="states is empty; give states to train on"):
+        hb.Variational(states=np.zeros((0, 1)))
+    with pytest.raises(ValueError, match=r"states has shape \(2,\)"):
+        hb.Contrastive(states=[1.0, 2.0])

@@ -199,3 +199,13 @@ def checked_states(states: Any) -> Float64[np.ndarray, "n d"]:
         row = int(np.flatnonzero(~np.isfinite(checked).all(axis=1))[0])
         raise ValueError(f"states[{row}] is not finite; give numbers")
     return checked
+
+
+def checked_starts(states: Any) -> Float64[np.ndarray, "n d"] | None:
+    """The states that an estimator is to train on, if any are given."""
+    if states is None:
+        return None
+    checked = checked_states(states)
+    if not len(checked):
+        raise ValueError("states is empty; give states to train on, or leave it out")
+    return checked

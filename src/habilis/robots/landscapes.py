@@ -68,9 +68,8 @@ def draw_comparison(found: ToolComparison, model: str | Path, than: str = NO_TOO
             colours = np.array([_rgba(one) for one in _VERDICTS])[each.argmax(axis=0)]
             below = axes(column, 1)
             _draw(below, found, simulator, frame, colours)
-            held = "the bare hand" if than == NO_TOOL else f"the {than}"
             share = f"better in {judged.better.mean():.0%}, worse in {judged.worse.mean():.0%}"
-            below.set_title(f"against {held}: {share}", fontsize=8)
+            below.set_title(f"against {than}: {share}", fontsize=8)
     _draw_scale(figure, most, (width - _KEY + 6) / width, 1 - (_HEAD + high) / height, high)
     if bare:
         _draw_key(figure, _GAP + (wide + _GAP) * found.tools.index(than), width, height, high)

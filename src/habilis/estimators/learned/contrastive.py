@@ -20,6 +20,7 @@ from habilis.estimators.protocol import (
     Simulator,
     Target,
     checked_simulator,
+    checked_starts,
     checked_states,
     in_jax,
 )
@@ -63,6 +64,9 @@ class Contrastive:
         learning_rate: of Adam.
         patience: rounds without larger bounds on new samples after which training stops.
         samples: rolled out for each state asked about.
+        states: float[m, d], states to train on, drawn from uniformly; by default the simulator's
+            `random_states`. Where the sensor changes in few states only, give those: random ones
+            hardly ever show it.
         folder: where progress is kept, and found again by the same settings, seed and simulator.
         show_progress: whether to draw a progress bar on standard error.
 
@@ -86,6 +90,7 @@ class Contrastive:
     learning_rate: float = 1e-2
     patience: int = 15
     samples: int = 512
+    states: Any = field(default=None, repr=False, compare=False)
     folder: str | Path | None = field(default=None, repr=False)
     show_progress: bool = field(default=False, repr=False)
 
@@ -94,6 +99,7 @@ class Contrastive:
         for name in names:
             object.__setattr__(self, name, at_least_one(name, getattr(self, name)))
         object.__setattr__(self, "learning_rate", positive("learning_rate", self.learning_rate))
+        object.__setattr__(self, "states", checked_starts(self.states))
         if not is_number(self.discount) or not 0 <= self.discount < 1:
             raise ValueError(f"discount is {self.discount!r}; give a number from 0 up to but not 1")
         if self.batch < 2:
@@ -107,10 +113,10 @@ class Contrastive:
         *,
         seed: int = 0,
     ) -> "FittedContrastive":
-        """Learns the features from states of the simulator's `random_states`.
+        """Learns the features from `states`, or the simulator's `random_states`.
 
         Args:
-            simulator: one with `random_states`.
+            simulator: one with `random_states`, unless `states` are given.
             horizon: the least number of steps until the outcome, 1 or more.
             sensor: see `habilis.estimators.sensors`.
             seed: of the networks and all draws.
@@ -132,7 +138,7 @@ class Contrastive:
         sample = _sampler(simulator, horizon, self.discount, seen)
         count = self.batch * self.updates
         generator = np.random.default_rng([seed, 2**20])
-        starts = training.random_starts(simulator, count, generator)
+        starts = training.random_starts(simulator, count, generator, self.states)
         actions, some = sample(starts, generator)
         of_state = state_features(simulator, starts)
         of_outcome = outcome_features(simulator, seen, sensor, of_state, starts, some, False)
@@ -145,7 +151,7 @@ class Contrastive:
 
         def one_round(now: Any, number: int) -> tuple[Any, float]:
             generator = np.random.default_rng([seed, number])
-            starts = training.random_starts(simulator, count, generator)
+            starts = training.random_starts(simulator, count, generator, self.states)
             actions, found = sample(starts, generator)
             shown = of_outcome.of((starts, found))
             now, bound = improve(now, of_state.of(starts), actions, shown)

@@ -121,18 +121,20 @@ def _stalled(bounds: Float64[np.ndarray, "rounds"], patience: int) -> bool:
 
 
 def random_starts(
-    simulator: Simulator, count: int, generator: np.random.Generator
+    simulator: Simulator, count: int, generator: np.random.Generator, states: Any = None
 ) -> Float64[np.ndarray, "n d"]:
-    """States to train on.
+    """States to train on, drawn from those that are given, or by the simulator.
 
     Raises:
-        ValueError: the simulator has none.
+        ValueError: there are none.
     """
+    if states is not None:
+        return states[generator.integers(len(states), size=count)]
     draw = getattr(simulator, "random_states", None)
     if draw is None:
         raise ValueError(
             "the simulator has no random_states(count, generator), and learning needs states; give "
-            "it one"
+            "it one, or the estimator states="
         )
     return checked_states(draw(count, generator))
 
@@ -147,11 +149,12 @@ def checkpoint_path(
     if folder is None:
         return None
     generator = np.random.default_rng(0)
-    starts = random_starts(simulator, 16, generator)
+    starts = random_starts(simulator, 16, generator, settings.states)
     actions = checked_actions(simulator.actions)
     with suppress(ValueError):  # of an unbounded box
         drawn = drawn_actions(actions, (len(starts), horizon), generator)
         starts = np.concatenate([starts, roll_out(simulator, starts, drawn)])
     readings = np.asarray(shown(starts), np.float64).round(4)
-    name = fingerprint(type(settings).__name__, repr(settings), readings, horizon, seed)
+    given = () if settings.states is None else (settings.states,)
+    name = fingerprint(type(settings).__name__, repr(settings), readings, horizon, seed, *given)
     return Path(folder) / f"{type(settings).__name__.lower()}-{name[:32]}.npz"

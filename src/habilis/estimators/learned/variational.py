@@ -20,6 +20,7 @@ from habilis.estimators.protocol import (
     Simulator,
     Target,
     checked_simulator,
+    checked_starts,
     checked_states,
     in_jax,
 )
@@ -61,6 +62,9 @@ class Variational:
             round's sequences before they are trained on; the networks with the largest are used.
         samples: sequences rolled out for each state asked about.
         power: the bound on E ||(a_1 ... a_h)||^2 of unbounded actions.
+        states: float[m, d], states to train on, drawn from uniformly; by default the simulator's
+            `random_states`. Where the sensor changes in few states only, give those: random ones
+            hardly ever show it.
         folder: where progress is kept, and found again by the same settings, seed and simulator.
         show_progress: whether to draw a progress bar on standard error.
 
@@ -84,6 +88,7 @@ class Variational:
     patience: int = 15
     samples: int = 1000
     power: float | None = None
+    states: Any = field(default=None, repr=False, compare=False)
     folder: str | Path | None = field(default=None, repr=False)
     show_progress: bool = field(default=False, repr=False)
 
@@ -91,6 +96,7 @@ class Variational:
         for name in ("rounds", "updates", "batch", "width", "patience", "samples"):
             object.__setattr__(self, name, at_least_one(name, getattr(self, name)))
         object.__setattr__(self, "learning_rate", positive("learning_rate", self.learning_rate))
+        object.__setattr__(self, "states", checked_starts(self.states))
         if self.power is not None:
             object.__setattr__(self, "power", positive("power", self.power))
 
@@ -102,10 +108,10 @@ class Variational:
         *,
         seed: int = 0,
     ) -> "FittedVariational":
-        """Learns source, decoder and baseline from states of the simulator's `random_states`.
+        """Learns source, decoder and baseline from `states`, or the simulator's `random_states`.
 
         Args:
-            simulator: one with `random_states`.
+            simulator: one with `random_states`, unless `states` are given.
             horizon: h, how many actions, 1 or more.
             sensor: see `habilis.estimators.sensors`.
             seed: of the networks and all draws.
@@ -139,7 +145,7 @@ class Variational:
 
         count = self.batch * self.updates
         generator, key, draws = draws_of(2**20)
-        starts = training.random_starts(simulator, count, generator)
+        starts = training.random_starts(simulator, count, generator, self.states)
         of_state = state_features(simulator, starts)
         begun = networks.first_codes(coding, count, self.power, key)
         some = outcomes(starts, np.asarray(begun), draws)
@@ -151,7 +157,7 @@ class Variational:
 
         def one_round(now: Any, number: int) -> tuple[Any, float]:
             generator, key, draws = draws_of(number)
-            starts = training.random_starts(simulator, count, generator)
+            starts = training.random_starts(simulator, count, generator, self.states)
             states = of_state.of(starts)
             coded = np.asarray(networks.draw(now[0], states, key))
             shown = of_outcome.of((starts, outcomes(starts, coded, draws)))
