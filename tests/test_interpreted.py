@@ -16,7 +16,7 @@ import habilis as hb
 from habilis.bridges.puzzles.pushworld import PushWorld
 from habilis.cli.output import compiling_announced
 from habilis.compiled import INTERPRETED, Compiled, compiled, part, paths
-from habilis.empowerment.tabular import beliefs, counting, deterministic
+from habilis.empowerment.tabular import beliefs, column_generation, counting, deterministic
 from habilis.empowerment.tabular.open_loop import problem_of
 from habilis.empowerment.tabular.persistence import persistence
 from habilis.models.interning import InternedRows
@@ -104,6 +104,23 @@ def test_sequences_that_are_followed(mdp: hb.TabularMDP, horizon: int, seed: int
     sequences = random.integers(0, mdp.action_count, (5, horizon)).astype(np.int32)
     check(lambda: beliefs.followed(led, 0, sequences))
     check(lambda: beliefs.wandered(led, 0, draws))
+
+
+@SETTINGS
+@given(TABLES, st.integers(1, 4), st.sampled_from([0, 2**18]))
+def test_certified_capacities(mdp: hb.TabularMDP, horizon: int, enough: int):
+    asked = problem_of(mdp, horizon, "state", np.arange(mdp.action_count), 1e-6)
+
+    def found() -> list[Any]:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(beliefs, "ENOUGH", enough)
+            patch.setattr(beliefs, "FEWER", 0.7 if enough else 0.0)
+            sequences, _ = column_generation.sequences_from(asked, 0)
+            every = np.arange(sequences.sequences)
+            bits = column_generation.certified(asked, 0)
+        return [*sequences.neg_entropies(), sequences.rows(every), np.array(bits)]
+
+    check(found)
 
 
 @SETTINGS

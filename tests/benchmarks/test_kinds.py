@@ -7,8 +7,8 @@ from habilis.benchmarks import kinds, run_benchmarks
 from habilis.worlds.world import World
 
 
-def test_large_sizes_are_of_kinds_alone():
-    with pytest.raises(ValueError, match="--large is of kinds, and not of worlds; leave it out"):
+def test_large_sizes_are_of_some_benchmarks_alone():
+    with pytest.raises(ValueError, match="--large is of kinds, noise, and not of worlds"):
         run_benchmarks(["worlds"], large=True)
 
 

@@ -12,6 +12,7 @@ from jaxtyping import Float64
 BENCHMARKS = (
     "start",
     "empowerment",
+    "noise",
     "scale",
     "growth",
     "kinds",
@@ -24,7 +25,7 @@ BENCHMARKS = (
     "sb3",
 )
 _EXTRAS = {"learning": "learn", "lanes": "learn", "sb3": "learn", "studio": "studio"}
-_LARGE = ("kinds",)  # which have sizes that take minutes
+_LARGE = ("kinds", "noise")  # which have sizes that take minutes
 _APART = ("sb3", "lanes", "growth")  # when named: needs torch, is of interest on a GPU, minutes
 
 ROUNDS = 5

@@ -1,11 +1,14 @@
 """Stochastic empowerment: merged beliefs and certified capacities beside listing all sequences."""
 
 import numpy as np
+from jaxtyping import Float64
 
-from habilis.benchmarks import Result, times
+from habilis.benchmarks import Result, Seconds, time_of, times
 from habilis.benchmarks.channels import blahut_arimoto
 from habilis.empowerment import empowerment
+from habilis.empowerment.methods import Exact
 from habilis.mdp import TabularMDP
+from habilis.processors import processors
 
 _SIDE = 10
 _WALLS = 0.15  # a cell
@@ -36,24 +39,28 @@ def enumerate_noisy_sequences(mdp: TabularMDP, state: int, horizon: int) -> floa
     return blahut_arimoto(beliefs[:, beliefs.any(axis=0)])[0]
 
 
-def results() -> list[Result]:
+def results(large: bool = False) -> list[Result]:
+    """Lines of time, of gaps, and of what a second thread is good for.
+
+    Args:
+        large: whether to measure longer horizons too, which takes minutes.
+    """
     mdp = maze()
-    lines = []
     found = {horizon: empowerment(mdp, horizon, return_gap=True) for horizon in (4, 6)}
     asked = np.linspace(0, mdp.states - 1, _ASKED).astype(int)
     listed = [enumerate_noisy_sequences(mdp, state, 4) for state in asked]
     assert np.allclose(listed, found[4][0][asked], atol=3e-6)
+    one, two = Exact(threads=1), Exact(threads=2)
     seconds = times(
         {
             "4": lambda: empowerment(mdp, 4),
             "6": lambda: empowerment(mdp, 6),
+            "6, one": lambda: empowerment(mdp, 6, method=one),
+            "6, two": lambda: empowerment(mdp, 6, method=two),
             "plain": lambda: [enumerate_noisy_sequences(mdp, state, 4) for state in asked],
         }
     )
-    for horizon, (_, gap) in found.items():
-        assert (gap <= 1e-6).all()
-        note = f"10x10 slippery maze, 5 actions, all 100 states, gap {gap.max():.1g} bits"
-        lines.append(Result.of(f"noisy FOE, h = {horizon}", seconds[str(horizon)], "s", note))
+    lines = [_line(horizon, seconds[str(horizon)], gap) for horizon, (_, gap) in found.items()]
     lines.append(
         Result.of(
             "noisy FOE, h = 4: all sequences and plain iteration / ours",
@@ -62,4 +69,27 @@ def results() -> list[Result]:
             f"625 sequences a state, {_ASKED} states scaled up",
         )
     )
+    lines.append(
+        Result.of(
+            "noisy FOE, h = 6: two threads / one",
+            seconds["6, two"] / seconds["6, one"],
+            "of the time",
+            f"on {processors()} processors; the values are the same to the bit",
+        )
+    )
+    return [*lines, *(_long(mdp) if large else [])]
+
+
+def _long(mdp: TabularMDP) -> list[Result]:
+    lines = []
+    for horizon in (7, 8):
+        _, gap = empowerment(mdp, horizon, return_gap=True)
+        seconds = time_of(lambda horizon=horizon: empowerment(mdp, horizon))
+        lines.append(_line(horizon, seconds, gap))
     return lines
+
+
+def _line(horizon: int, seconds: Seconds, gap: Float64[np.ndarray, "n"]) -> Result:
+    assert (gap <= 1e-6).all()
+    note = f"10x10 slippery maze, 5 actions, all 100 states, gap {gap.max():.1g} bits"
+    return Result.of(f"noisy FOE, h = {horizon}", seconds, "s", note)

@@ -373,7 +373,7 @@ def _solved(
     with progress_bar("states", show_progress) as report:
         if isinstance(method, Sampled):
             return stochastic.lower_bounds(
-                problem, starts, method.samples, method.seed, method.threads or 1, limits, report
+                problem, starts, method.samples, method.seed, method.threads, limits, report
             )
         bits, gap = stochastic.certified_bits(problem, starts, method.threads, limits, report)
     if (gap > tolerance).any():

@@ -25,7 +25,13 @@ from habilis.empowerment.tabular.beliefs import (
     distinct,
 )
 from habilis.empowerment.tabular.last_actions import LANES, LastActions, side_by_side
-from habilis.empowerment.tabular.open_loop import Problem, channel_of_ends, merging_error
+from habilis.empowerment.tabular.open_loop import (
+    Problem,
+    channel_of,
+    channel_of_ends,
+    drawn,
+    merging_error,
+)
 
 _ROUNDS = 100  # of sequences that are added
 _ADDED = 8  # sequences in a round, at most, for each observation
@@ -46,6 +52,24 @@ def certified(problem: Problem, start: int) -> tuple[float, float]:
     return capacity_of(sequences, sequences.neg_entropies(), problem.tolerance, merged)
 
 
+def sampled(problem: Problem, start: int, samples: int, seed: int) -> tuple[float, float]:
+    """A lower bound from some sequences of actions, drawn uniformly, and its gap, in bits.
+
+    Where actions are not available everywhere, each step is drawn uniformly from those that surely
+    are; sequences that end before h actions are left out. The gap is to the least of what is known
+    of the whole without looking at all sequences: the logarithms of the number of sequences and of
+    the number of possible observations.
+    """
+    actions, horizon = problem.successors.actions, problem.horizon
+    states, matrix = drawn(problem, start, samples, seed)
+    sequences = _of_rows(channel_of(problem, states, matrix)[0])
+    merged = _merged(problem, len(states), sequences)
+    bits, gap = capacity_of(sequences, sequences.neg_entropies(), problem.tolerance, merged)
+    possible = problem.sensor[states].sum(axis=0).astype(bool).sum()
+    most = min(np.log2(max(possible, 1)), horizon * np.log2(actions))
+    return bits, max(float(most) - bits, gap)
+
+
 def sequences_from(problem: Problem, start: int) -> tuple[LastActions, float]:
     """The sequences of 1 or more actions, and the part of the gap that merging beliefs makes up.
 
@@ -57,9 +81,12 @@ def sequences_from(problem: Problem, start: int) -> tuple[LastActions, float]:
         sequences = _of_rows(channel)
     else:
         states, sequences = _of_beliefs(problem, start)
+    return sequences, _merged(problem, states, sequences)
+
+
+def _merged(problem: Problem, states: int, sequences: LastActions) -> float:
     hidden = 0 if problem.successors.seen is None else problem.successors.states
-    merged = merging_error(states + hidden, problem.horizon, sequences.observations)
-    return sequences, merged
+    return merging_error(states + hidden, problem.horizon, sequences.observations)
 
 
 def _of_beliefs(problem: Problem, start: int) -> tuple[int, LastActions]:

@@ -140,27 +140,10 @@ def exact(
     return beliefs, answer
 
 
-def sampled(problem: Problem, start: int, samples: int, seed: int) -> Answer:
-    """A lower bound from some sequences of actions, drawn uniformly.
-
-    Where actions are not available everywhere, each step is drawn uniformly from those that surely
-    are; sequences that end before h actions are left out. The gap is to the least of what is known
-    of the whole without looking at all sequences: the logarithms of the number of sequences and of
-    the number of possible observations.
-    """
-    actions, horizon = problem.successors.actions, problem.horizon
-    states, matrix = drawn(problem, start, samples, seed)
-    answer = solve_channel(problem, states, matrix)
-    possible = problem.sensor[states].sum(axis=0).astype(bool).sum()
-    most = min(np.log2(max(possible, 1)), horizon * np.log2(actions))
-    gap = max(float(most) - answer.bits, answer.gap)
-    return Answer(answer.bits, gap, answer.channel, answer.observations, answer.rows, answer.inputs)
-
-
 def drawn(
     problem: Problem, start: int, samples: int, seed: int
 ) -> tuple[Int32[np.ndarray, "N"], Float64[np.ndarray, "k N"]]:
-    """The beliefs, over which states, that sequences drawn as `sampled` draws them lead to."""
+    """The beliefs, over which states, that random sequences lead to; see `sampled`."""
     actions, horizon = problem.successors.actions, problem.horizon
     rng = np.random.default_rng([seed, start])
     if problem.successors.always_available:
@@ -175,7 +158,7 @@ def solve_channel(
     matrix: "Float64[np.ndarray, 'K N'] | csr_array",
 ) -> Answer:
     """The capacity of the channel from rows of beliefs through the sensor; 0 without any row."""
-    channel, observations, rows = _channel_of(problem, states, matrix)
+    channel, observations, rows = channel_of(problem, states, matrix)
     inputs = np.full(len(channel), 1 / max(len(channel), 1))
     hidden = 0 if problem.successors.seen is None else problem.successors.states
     merged = merging_error(len(states) + hidden, problem.horizon, len(observations))
@@ -196,10 +179,10 @@ def channel_of_ends(problem: Problem, start: int) -> tuple[int, Float64[np.ndarr
         TooManyBeliefsError: there are more beliefs than `most_entries` allows.
     """
     beliefs = outcomes_after(problem.successors, start, problem.horizon, problem.most_entries)
-    return len(beliefs.states), _channel_of(problem, beliefs.states, beliefs.matrix)[0]
+    return len(beliefs.states), channel_of(problem, beliefs.states, beliefs.matrix)[0]
 
 
-def _channel_of(
+def channel_of(
     problem: Problem,
     states: Int32[np.ndarray, "N"],
     matrix: "Float64[np.ndarray, 'K N'] | csr_array",

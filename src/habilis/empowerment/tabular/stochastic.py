@@ -11,9 +11,9 @@ from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.limits import Limits, Progress, too_much
 from habilis.empowerment.tabular.beliefs import TooManyBeliefsError, states_within, unheard
 from habilis.empowerment.tabular.blocks import in_turn
-from habilis.empowerment.tabular.column_generation import certified
+from habilis.empowerment.tabular.column_generation import certified, sampled
 from habilis.empowerment.tabular.cost import check_effort, check_samples, most_entries
-from habilis.empowerment.tabular.open_loop import Problem, sampled
+from habilis.empowerment.tabular.open_loop import Problem
 from habilis.probabilities import shape_of
 from habilis.processors import processors
 
@@ -85,7 +85,7 @@ def lower_bounds(
     starts: Int64[np.ndarray, "n"],
     samples: int,
     seed: int,
-    threads: int,
+    threads: int | None,
     limits: Limits,
     report: Tell = unheard,
 ) -> tuple[Bits, Bits]:
@@ -94,13 +94,9 @@ def lower_bounds(
     Raises:
         ValueError: it would take more than the limits; see `effort.check_samples`.
     """
+    threads = threads or _worthwhile(problem, starts)
     check_samples(problem, starts, samples, threads, limits)
-
-    def answer(start: int) -> tuple[float, float]:
-        found = sampled(problem, start, samples, seed)
-        return found.bits, found.gap
-
-    return _for_all(answer, starts, threads, report)
+    return _for_all(lambda start: sampled(problem, start, samples, seed), starts, threads, report)
 
 
 def _for_all(
