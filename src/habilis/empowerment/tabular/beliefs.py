@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 SAME = 1e-14  # beliefs that differ by no more in any entry are one: what rounding can do
 
-ENOUGH, FEWER = 2**18, 0.7
+ENOUGH, FEWER = 2**15, 0.9
 """Numbers in beliefs, above which merging must leave no more than this share of them."""
 
 _LEAST = float(np.finfo(np.float64).tiny)  # of what is possible: it must not round to 0

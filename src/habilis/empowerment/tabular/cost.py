@@ -26,6 +26,7 @@ _POOL = 8 * 4  # bytes for a number in the pool of sequences
 _STEP = 300  # bytes that each step takes however few beliefs there are
 _TRIAL = 0.3  # seconds that trying out a state may take
 _FORESEEN = 2_000  # horizons looked at one by one
+_TRIFLE_OF_LAST_ACTIONS = 200_000_000  # as below, where they are followed side by side
 _TRIFLE = 20_000_000  # numbers in all states' beliefs, at worst, below which no estimate is needed
 
 
@@ -72,7 +73,8 @@ def check_effort(
     else:
         worst = horizon * np.log(actions)
     worst += np.log(max(len(starts), 1))
-    trifle = np.log(max(min(_TRIFLE * min(limits.seconds, 1.0), most_entries(limits, 1)), 1e-300))
+    trifling = _TRIFLE if listed or successors.certain else _TRIFLE_OF_LAST_ACTIONS
+    trifle = np.log(max(min(trifling * min(limits.seconds, 1.0), most_entries(limits, 1)), 1e-300))
     if not len(starts):
         return
     if horizon <= _FORESEEN and worst <= trifle:

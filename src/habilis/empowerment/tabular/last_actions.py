@@ -110,21 +110,27 @@ class LastActions:
 
 def side_by_side(matrix: Float64[np.ndarray, "K N"]) -> Float64[np.ndarray, "B N lanes"]:
     """Beliefs in blocks."""
-    count, width = matrix.shape
-    blocks = np.zeros((-(-count // LANES), width, LANES))
-    for block, first in enumerate(range(0, count, LANES)):
-        some = matrix[first : first + LANES]
-        blocks[block, :, : len(some)] = some.T
-    return blocks
+    return _side_by_side(np.ascontiguousarray(matrix))
 
 
 def compile_last_actions() -> None:
     """Leaves out the time as plain Python and as a compiler: what follows is timed."""
-    compile_now(_neg_entropies, _expected, _divergences, _rows)
+    compile_now(_side_by_side, _neg_entropies, _expected, _divergences, _rows)
     there = np.arange(2), np.zeros(1, np.int32), np.ones(1)
     tiny = LastActions(side_by_side(np.ones((1, 1))), 1, 1, 1, *there, *there, 1, True)
     tiny.divergences(tiny.neg_entropies()[0], np.zeros(1))
     tiny.rows(np.zeros(1, np.int64))
+
+
+@compiled(lambda matrix: 2 * matrix.size)
+def _side_by_side(matrix):
+    count, width = matrix.shape
+    blocks = np.zeros(((count + LANES - 1) // LANES, width, LANES))
+    for i in range(count):
+        block, lane = i // LANES, i % LANES
+        for s in range(width):
+            blocks[block, s, lane] = matrix[i, s]
+    return blocks
 
 
 def _following(blocks, beliefs, remaining, actions, first, state, *rest):
