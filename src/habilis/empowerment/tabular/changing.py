@@ -93,6 +93,8 @@ def _first_changes(
         The steps; and in how many states it can have, after 0, 1, ... steps.
     """
     first = np.full(len(table), _NEVER, np.uint8)
+    # Numba reads what may be negative as Python does, in nearly twice the time.
+    unsigned = np.ascontiguousarray(table).view(np.uint32)
     sizes = [0]
     while len(sizes) <= horizon:
         time = len(sizes)
@@ -101,7 +103,7 @@ def _first_changes(
             sizes.append(len(table))
             break
         found = in_blocks(
-            lambda a, b, time=time: _look_back(table, labels, first, time, a, b),
+            lambda a, b, time=time: _look_back(unsigned, labels, first, time, a, b),
             len(table),
             table.shape[1],
             threads,

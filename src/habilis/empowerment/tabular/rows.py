@@ -2,8 +2,9 @@
 
 Written with loops over words, compilers keep to single words, so each piece of a row is loaded,
 united and stored as one vector. A row is cut into pieces of eight, four, two or one words,
-whichever is the widest that fits; where its length is no multiple the last piece overlaps the one
-before it. So rows of any length need no padding, and one compiled function does for all.
+whichever is the widest that fits, two of them at a time; where its length is no multiple the last
+piece overlaps the one before it. So rows of any length need no padding, and one compiled function
+does for all.
 """
 
 from typing import Any
@@ -18,56 +19,84 @@ from numba.extending import intrinsic
 _NUMBER = ir.IntType(64)
 
 
-def _piece(width: int, counted: bool) -> Any:
-    """An intrinsic for `width` words from word w on of the union of the successors' rows.
+def _unions(context, builder, signature, args, width, starts):
+    """For one or two pieces of `width` words: the union of the successors', and that of s itself.
 
-    Either (table, sets, s, w, out) stores them in out[s] and says if they differ from sets[s]; or
-    (table, sets, s, w, skip) says how many bits they have, the first `skip` words left out.
+    The first arguments are next_state, sets and s. Two pieces at once read each successor once.
     """
-    vector, bits = ir.VectorType(_NUMBER, width), ir.IntType(64 * width)
+    vector = ir.VectorType(_NUMBER, width)
+    table, sets = (context.make_array(signature.args[k])(context, builder, args[k]) for k in (0, 1))
+    actions, words = (builder.extract_value(one.shape, 1) for one in (table, sets))
 
-    def code(typing, table, sets, s, w, last):
-        if (table.layout, table.dtype, sets.layout) != ("C", types.int32, "C"):
-            return None
-        result = types.int64 if counted else types.boolean
-        return result(table, sets, types.int64, types.int64, last), generate
+    def place(data, row, start):
+        first = builder.gep(data, [builder.add(builder.mul(row, words), start)])
+        return builder.bitcast(first, vector.as_pointer())
+
+    def loaded(row, start):
+        value = builder.load(place(sets.data, row, start))
+        value.align = 8
+        return value
+
+    before = builder.block
+    loop, more, done = (builder.append_basic_block(name) for name in ("loop", "more", "done"))
+    builder.branch(loop)
+    builder.position_at_end(loop)
+    a, unions = builder.phi(_NUMBER), [builder.phi(vector) for _ in starts]
+    a.add_incoming(_NUMBER(0), before)
+    builder.cbranch(builder.icmp_signed("<", a, actions), more, done)
+    builder.position_at_end(more)
+    entry = builder.gep(table.data, [builder.add(builder.mul(args[2], actions), a)])
+    successor = builder.zext(builder.load(entry), _NUMBER)
+    for start, union in zip(starts, unions, strict=True):
+        union.add_incoming(ir.Constant(vector, [0] * width), before)
+        union.add_incoming(builder.or_(union, loaded(successor, start)), more)
+    a.add_incoming(builder.add(a, _NUMBER(1)), more)
+    builder.branch(loop)
+    builder.position_at_end(done)
+    return [(union, loaded(args[2], w), w) for union, w in zip(unions, starts, strict=True)], place
+
+
+def _as_expected(table, sets):
+    """Whether arrays are laid out as is assumed here."""
+    return (table.layout, table.dtype, sets.layout) == ("C", types.int32, "C")
+
+
+def _stored(width: int, both: bool) -> Any:
+    """An intrinsic that stores pieces of the union in out[s]; says if they differ from sets[s]."""
 
     def generate(context, builder, signature, args):
-        def array(k):
-            return context.make_array(signature.args[k])(context, builder, args[k])
+        out = context.make_array(signature.args[3])(context, builder, args[3])
+        bits = ir.IntType(64 * width)
+        pieces, place = _unions(context, builder, signature, args, width, args[4:])
+        differs = ir.Constant(ir.IntType(1), 0)
+        for union, old, start in pieces:
+            builder.store(union, place(out.data, args[2], start)).align = 8
+            difference = builder.bitcast(builder.xor(union, old), bits)
+            one = builder.icmp_unsigned("!=", difference, ir.Constant(bits, 0))
+            differs = builder.or_(differs, one)
+        return differs
 
-        table, sets, s, w = array(0), array(1), args[2], args[3]
-        actions = builder.extract_value(table.shape, 1)
-        words = builder.extract_value(sets.shape, 1)
+    whole = types.int64
 
-        def place(data, row):
-            first = builder.gep(data, [builder.add(builder.mul(row, words), w)])
-            return builder.bitcast(first, vector.as_pointer())
+    def one_piece(typing, table, sets, s, out, w):
+        if _as_expected(table, sets):
+            return types.boolean(table, sets, whole, out, whole), generate
+        return None
 
-        def loaded(row):
-            value = builder.load(place(sets.data, row))
-            value.align = 8
-            return value
+    def two_pieces(typing, table, sets, s, out, w, v):
+        if _as_expected(table, sets):
+            return types.boolean(table, sets, whole, out, whole, whole), generate
+        return None
 
-        before = builder.block
-        loop, more, done = (builder.append_basic_block(name) for name in ("loop", "more", "done"))
-        builder.branch(loop)
-        builder.position_at_end(loop)
-        a, union = builder.phi(_NUMBER), builder.phi(vector)
-        a.add_incoming(_NUMBER(0), before)
-        union.add_incoming(ir.Constant(vector, [0] * width), before)
-        builder.cbranch(builder.icmp_signed("<", a, actions), more, done)
-        builder.position_at_end(more)
-        entry = builder.gep(table.data, [builder.add(builder.mul(s, actions), a)])
-        successor = builder.zext(builder.load(entry), _NUMBER)
-        union.add_incoming(builder.or_(union, loaded(successor)), more)
-        a.add_incoming(builder.add(a, _NUMBER(1)), more)
-        builder.branch(loop)
-        builder.position_at_end(done)
-        if not counted:
-            builder.store(union, place(array(4).data, s)).align = 8
-            difference = builder.bitcast(builder.xor(union, loaded(s)), bits)
-            return builder.icmp_unsigned("!=", difference, ir.Constant(bits, 0))
+    return intrinsic(two_pieces if both else one_piece)
+
+
+def _counted(width: int) -> Any:
+    """An intrinsic for how many bits a piece of the union has, its first `skip` words left out."""
+    vector = ir.VectorType(_NUMBER, width)
+
+    def generate(context, builder, signature, args):
+        ((union, _, _),), _ = _unions(context, builder, signature, args, width, args[3:4])
         name, total = f"llvm.ctpop.v{width}i64", _NUMBER(0)
         population = cgutils.get_or_insert_function(
             builder.module, ir.FunctionType(vector, [vector]), name
@@ -79,11 +108,17 @@ def _piece(width: int, counted: bool) -> Any:
             total = builder.add(total, builder.select(taken, one, _NUMBER(0)))
         return total
 
+    def code(typing, table, sets, s, w, skip):
+        if _as_expected(table, sets):
+            return types.int64(table, sets, types.int64, types.int64, types.int64), generate
+        return None
+
     return intrinsic(code)
 
 
-_united_8, _united_4, _united_2, _united_1 = (_piece(width, False) for width in (8, 4, 2, 1))
-_counted_8, _counted_4, _counted_2, _counted_1 = (_piece(width, True) for width in (8, 4, 2, 1))
+_stored_8, _stored_4, _stored_2, _stored_1 = (_stored(width, False) for width in (8, 4, 2, 1))
+_both_8, _both_4, _both_2 = (_stored(width, True) for width in (8, 4, 2))
+_counted_8, _counted_4, _counted_2, _counted_1 = (_counted(width) for width in (8, 4, 2, 1))
 
 
 def unite_rows(
@@ -101,20 +136,24 @@ def unite_rows(
     for s in range(begin, end):
         if first[s] > time:
             continue
-        if words >= 8:
-            for w in range(0, words - 8, 8):
-                changed |= _united_8(next_state, sets, s, w, out)
-            changed |= _united_8(next_state, sets, s, words - 8, out)
-        elif words >= 4:
-            changed |= _united_4(next_state, sets, s, 0, out)
-            if words > 4:
-                changed |= _united_4(next_state, sets, s, words - 4, out)
-        elif words >= 2:
-            changed |= _united_2(next_state, sets, s, 0, out)
-            if words > 2:
-                changed |= _united_2(next_state, sets, s, 1, out)
+        if words > 8:
+            w = 0
+            while words - w > 16:
+                changed |= _both_8(next_state, sets, s, out, w, w + 8)
+                w += 16
+            changed |= _both_8(next_state, sets, s, out, min(w, words - 8), words - 8)
+        elif words == 8:
+            changed |= _stored_8(next_state, sets, s, out, 0)
+        elif words > 4:
+            changed |= _both_4(next_state, sets, s, out, 0, words - 4)
+        elif words == 4:
+            changed |= _stored_4(next_state, sets, s, out, 0)
+        elif words == 3:
+            changed |= _both_2(next_state, sets, s, out, 0, 1)
+        elif words == 2:
+            changed |= _stored_2(next_state, sets, s, out, 0)
         else:
-            changed |= _united_1(next_state, sets, s, 0, out)
+            changed |= _stored_1(next_state, sets, s, out, 0)
     return changed
 
 
