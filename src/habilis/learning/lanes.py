@@ -22,6 +22,9 @@ from habilis.learning.rollout import (
     whole_episodes,
 )
 
+_LANES = "lanes"
+"""The axis of a batch."""
+
 
 @dataclass(frozen=True)
 class Program:
@@ -174,7 +177,11 @@ def advance(
         drawn = draws, starts, noise
         return jax.lax.scan(partial(_update, dynamics, settings, program), lane, drawn)
 
-    return jax.vmap(one_lane)(settings, lanes)
+    return jax.vmap(one_lane, axis_name=_LANES)(settings, lanes)
+
+
+def _in_any_lane(here: Bool[Array, ""]) -> Bool[Array, ""]:
+    return jax.lax.pmax(here.astype(jnp.int32), _LANES) > 0
 
 
 def _first(dynamics: Dynamics, key: PRNGKeyArray, envs: int) -> Int[Array, "E"]:
@@ -214,6 +221,7 @@ def _update(
         key=jax.random.fold_in(jax.random.wrap_key_data(lane.key), -1 - lane.updates),
         reward_fn=reward_fn,
         episodes=episodes,
+        in_any_lane=_in_any_lane,
     )
     env_state, trajectory = (whole_episodes if program.whole_episodes else rollout)(
         dynamics,

@@ -138,12 +138,11 @@ class Network(eqx.Module):
         layers = []
         change = of_outputs
         for (weight, _), given in zip(self.layers[::-1], activations[-2::-1], strict=True):
-            # The narrower factor is the one that is turned round: that is a copy of all of it.
-            product = (change.T @ given).T if change.shape[1] < given.shape[1] else given.T @ change
-            layers.append((product, change.sum(axis=0)))
+            layers.append((_product(given, change), change.sum(axis=0)))
             change = (change @ weight.T) * derivative(given)
         if jnp.issubdtype(inputs.dtype, jnp.integer):
-            embedding = jnp.zeros_like(self.embedding)
+            # A product, since XLA fills an array with a constant element by element on a CPU.
+            embedding = 0 * self.embedding
             for factor in range(inputs.shape[-1]):
                 embedding = embedding.at[inputs[:, factor]].add(change)
         else:
@@ -153,6 +152,18 @@ class Network(eqx.Module):
             self,
             (embedding, change.sum(axis=0), layers[::-1]),
         )
+
+
+def _product(given: Float[Array, "n inputs"], change: Float[Array, "n outputs"]) -> Array:
+    """`given.T @ change`, the gradient of a layer's weights.
+
+    The barriers keep XLA from folding the transpositions into the product, which on a CPU is then
+    none of its fast ones. The narrower factor is turned round: that is a copy of all of it.
+    """
+    fixed = jax.lax.optimization_barrier
+    if change.shape[1] < given.shape[1]:
+        return fixed(fixed(change.T) @ given).T
+    return fixed(given.T) @ change
 
 
 class Separate(eqx.Module):

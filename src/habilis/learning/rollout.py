@@ -30,6 +30,8 @@ class Context:
         key: for random numbers of the update.
         reward_fn: the reward to learn from, extrinsic and intrinsic, of any transitions.
         episodes: that have ended so far, where the algorithm counts them.
+        in_any_lane: whether something is so in any lane of the batch. A branch on the answer is
+            taken by all lanes at once, and so only one of its sides is computed.
     """
 
     dynamics: Dynamics
@@ -37,6 +39,7 @@ class Context:
     key: PRNGKeyArray
     reward_fn: Callable[[Int[Array, "*n"]], Float[Array, "*n"]]
     episodes: Number = 0.0
+    in_any_lane: Callable[[Bool[Array, ""]], Bool[Array, ""]] = lambda here: here
 
 
 class EnvState(NamedTuple):

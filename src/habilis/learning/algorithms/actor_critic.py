@@ -129,17 +129,23 @@ def advantages(
     settings: "A2C | PPO", context: Context, network: ActorCritic, experience: Experience
 ) -> tuple[Float[Array, "T E"], Float[Array, "T E"]]:
     """Advantages, and the targets of the values."""
+
+    def value_of(states: Int[Array, "E"]) -> Float[Array, "E"]:
+        return network(context.dynamics.inputs[states])[..., -1]
+
+    def bootstrapped(later: Float[Array, "T E"]) -> Float[Array, "T E"]:
+        # An environment is truncated at most once a rollout.
+        cut = jnp.where(experience.truncated, experience.next_state, 0).sum(axis=0)
+        return jnp.where(experience.truncated, value_of(cut), later)
+
     value = experience.aux.activations[-1][..., -1]
-    # An environment is truncated at most once a rollout, so the states whose value stands in for
-    # an unseen future are two an environment: where it was truncated, and where it is now.
-    cut = jnp.where(experience.truncated, experience.next_state, 0).sum(axis=0)
-    bootstrapped = jnp.stack([cut, experience.last_state])
-    value_cut, value_last = network(context.dynamics.inputs[bootstrapped])[..., -1]
-    later = jnp.concatenate([value[1:], value_last[None]])
+    later = jnp.concatenate([value[1:], value_of(experience.last_state)[None]])
+    # Most rollouts have no truncated episode.
+    truncated = context.in_any_lane(experience.truncated.any())
     advantage = generalised_advantages(
         experience.reward,
         value,
-        jnp.where(experience.truncated, value_cut, later),
+        jax.lax.cond(truncated, bootstrapped, lambda later: later, later),
         experience.terminated,
         experience.truncated,
         settings.discount,
@@ -175,7 +181,7 @@ def generalised_advantages(
     decay = discount * gae_lambda * ~(terminated | truncated)
 
     def back(later: Float[Array, "E"], step: tuple) -> tuple[Array, Array]:
-        advantage = step[0] + step[1] * later
+        advantage = jax.lax.optimization_barrier(step[0] + step[1] * later)
         return advantage, advantage
 
     _, advantages = jax.lax.scan(
