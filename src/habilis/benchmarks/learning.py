@@ -13,6 +13,8 @@ from habilis.benchmarks import Result, times
 from habilis.benchmarks.apart import measured_apart
 from habilis.benchmarks.plain_jax import make_train
 from habilis.learning.algorithms import a2c
+from habilis.learning.algorithms.ppo import PPO
+from habilis.learning.batches import LANES
 from habilis.learning.config import Config
 from habilis.learning.jobs import Job
 from habilis.learning.lanes import Lane, Settings, advance
@@ -33,6 +35,7 @@ def results() -> list[Result]:
     rate = steps_a_second()
     return [
         *measured_apart(__name__, "on_one_processor"),
+        *measured_apart(__name__, "learners"),
         *measured_apart(__name__, "first_call", JAX_ENABLE_COMPILATION_CACHE="false"),
         Result("training, all processors", rate / 1e6, "M steps/s", f"{ON}; all of train()"),
     ]
@@ -94,12 +97,43 @@ def on_one_processor() -> list[Result]:
     ]
 
 
+def learners() -> list[Result]:
+    """PPO and the intrinsic rewards beside plain A2C, each in its compiled loop."""
+    plain, bonus = CONFIG.changed(runs=LANES), {"runs": LANES, "beta": 0.05}
+    configs = {
+        "A2C": plain,
+        "PPO": Config(world="corridor", algorithm=PPO(), runs=LANES, episodes=1_000_000),
+        "A2C with counts": CONFIG.changed(intrinsic="count", **bonus),
+        "A2C with network distillation": CONFIG.changed(intrinsic="rnd", **bonus),
+        "A2C with TOE": CONFIG.changed(intrinsic="object", horizon=6, **bonus),
+        "A2C with effective empowerment": CONFIG.changed(
+            intrinsic="effective:object", horizon=0, **bonus
+        ),
+    }
+    loops = {name: Loop.of(config) for name, config in configs.items()}
+    seconds = times({name: loop.train for name, loop in loops.items()})
+    rate = {name: loops[name].steps / seconds[name] / 1e6 for name in loops}
+    on = f"corridor, {LANES} runs, one processor"
+    speeds = [Result.of(f"{name}, one processor", rate[name], "M steps/s", on) for name in loops]
+    return speeds + [
+        Result.of(f"plain A2C / {name}", rate["A2C"] / rate[name], "x", "steps a second")
+        for name in list(loops)[1:]
+    ]
+
+
 class Loop:
     """The compiled loop with what goes into it, and parts of it alone."""
 
     def __init__(self, job: Job, settings: Settings, lanes: Lane) -> None:
-        self.dynamics, self.program = job.dynamics[0], replace(job.program, updates=UPDATES)
+        # As many steps for every algorithm.
+        updates = UPDATES * A2C.envs * A2C.rollout // (job.program.steps // job.program.updates)
+        self.dynamics, self.program = job.dynamics[0], replace(job.program, updates=updates)
         self.settings, self.lanes = settings, lanes
+
+    @property
+    def steps(self) -> int:
+        """Environment steps of one call of `train`."""
+        return len(self.lanes.updates) * self.program.steps
 
     @classmethod
     def of(cls, config: Config) -> "Loop":
