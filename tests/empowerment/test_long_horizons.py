@@ -278,6 +278,16 @@ def test_what_comes_first_is_found_for_any_horizon():
     assert np.isinf(latency(ring, 10**9, "state")).all()
 
 
+def test_time_of_an_unknown_number_of_rows_is_limited_by_the_clock():
+    """A share of 10^9 actions says nothing where the first few rows come again."""
+    mdp = hb.tabulate(hb.load_world("yard"))
+    rows = latency(mdp, 10**9, method=hb.Exact(max_seconds=60))
+    assert np.isfinite(rows).any()
+    with pytest.raises(TooMuchError, match=r"takes more than \S+ s; .* is about \d+:") as refused:
+        latency(mdp, 10**9, method=hb.Exact(max_seconds=1e-4))
+    assert refused.value.fitting < 80
+
+
 def test_rows_of_a_period_too_long_are_refused_as_they_come():
     long = disjoint_rings([97, 101, 103, 107, 109, 113])
     with pytest.raises(TooMuchError, match=r"the largest horizon that fits is \d+:") as refused:

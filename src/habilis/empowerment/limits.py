@@ -158,6 +158,14 @@ class Clock:
             cost = f"takes about {seconds:.3g} s"
             raise too_much(self.horizon, step, self.limits, cost, estimated=True)
 
+    def check_now(self, step: int) -> None:
+        """Refuses to go on after the limit, whatever is left; so many steps are done."""
+        elapsed = time.monotonic() - self.began
+        if elapsed > self.limits.seconds:
+            raise too_much(
+                self.horizon, step, self.limits, f"takes more than {elapsed:.3g} s", estimated=True
+            )
+
     def check_all(self, share: float) -> None:
         """The same of all states, given the share of them that is done."""
         elapsed = time.monotonic() - self.began

@@ -11,6 +11,7 @@ from jaxtyping import Int32, Int64, UInt8
 from habilis.compiled import INTERPRETED, compile_now
 from habilis.empowerment.limits import (
     UNLIMITED,
+    Clock,
     Limits,
     Progress,
     check_memory,
@@ -168,6 +169,8 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
     if asked.label_count <= MOST_PACKED_LABELS:
         gib = _check(horizon, part, _packed_bytes(asked, -(-asked.label_count // 64)))
         _compile_packed(asked)
+        # Of many actions nobody knows which ones repeat the first, so only the time taken is limited.
+        clock = Clock(horizon, limits)
         watch = watched(horizon, horizon, gib, limits, question.report)
         sets = sets_backward(
             asked.table,
@@ -186,7 +189,10 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
                 return np.stack(rows), end.value
             rows.append(sizes(now[place]))
             check_memory(*_rows_gib(question, len(place), len(rows), gib), horizon, limits)
-            watch((len(rows) - 1) / max(horizon, 1))
+            if horizon > _LONG:
+                clock.check_now(len(rows) - 1)
+            else:
+                watch((len(rows) - 1) / max(horizon, 1))
     from habilis.empowerment.tabular.column_counting import count_every_horizon
     from habilis.empowerment.tabular.spreading import Graph
 
