@@ -175,6 +175,34 @@ def test_a_task_that_loses_process_after_process_is_given_up(tmp_path):
             session.compute([Lost(7)])
 
 
+class TwoPartsError(Exception):
+    """One that pickle cannot make again."""
+
+    def __init__(self, one: str, other: str):
+        super().__init__(one + other)
+
+
+@dataclass(frozen=True)
+class Failing(Square):
+    def rehearse(self) -> None:
+        pass
+
+    def run(self):
+        if self.number == 0:
+            raise TwoPartsError("no ", "square")
+        time.sleep(60)
+
+
+def test_processes_go_on_with_other_tasks_after_one_has_failed():
+    with processes(2) as executor:
+        with pytest.raises(RuntimeError, match=r"^TwoPartsError: no square$"):
+            results_of([Failing(0), Failing(1)], executor)
+        progress = []
+        again = results_of(SQUARES, executor, lambda *pair: progress.append(pair))
+        assert squares(again) == ALL
+        assert progress == [(done, 5) for done in range(6)]
+
+
 @dataclass(frozen=True)
 class Total(Square):
     """One that adds up many numbers that others add up too."""
@@ -243,6 +271,27 @@ def test_results_are_those_of_every_task_once(tmp_path):
     line = "the square of 3: the executor did not run it, nor 1 others; let it call done"
     with pytest.raises(ValueError, match=line):
         results_of(SQUARES, lambda tasks, done, stopped: in_turn(tasks[:3], done))
+
+
+@pytest.mark.parametrize(
+    ("name", "result", "line"),
+    [
+        ("square-9", {"number": np.array(9)}, "square-9: the executor was given no such task"),
+        ("square-3", {"number": np.array(2)}, "the square of 3: .* not the task's .holds the sq"),
+        ("square-3", {}, "the square of 3: the executor's result is not the task's .'number'"),
+    ],
+)
+def test_a_result_that_is_not_the_tasks_is_refused(name, result, line):
+    with pytest.raises(ValueError, match=line):
+        results_of(SQUARES, lambda tasks, done, stopped: done(name, result))
+
+
+def test_an_executor_that_is_kept_stops_when_asked(tmp_path):
+    results = {}
+    with kept_in(tmp_path / "work", in_turn) as kept:
+        kept(SQUARES, results.__setitem__, lambda: len(results) == 2)
+        assert squares(results) == {"square-0": 0, "square-1": 1}
+        assert squares(results_of(SQUARES, kept)) == ALL
 
 
 def test_an_executor_that_is_kept_runs_no_task_again(tmp_path):

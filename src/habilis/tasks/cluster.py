@@ -84,22 +84,24 @@ class _Cluster:
         waiting = list(reversed(tasks))
         running: dict[ray.ObjectRef, Task] = {}
         used: dict[str, ray.ObjectRef] = {}
-        while (waiting or running) and not stopped():
-            # Enough to keep all processors of the cluster, as it is now, busy.
-            room = 2 * int(ray.cluster_resources().get("CPU", 1))
-            while waiting and len(running) < room:
-                task = waiting.pop()
-                content, values = packed(task, CloudPickler)
-                for key, one in values.items():
-                    if key not in used:
-                        used[key] = self.stored.get(key) or ray.put(one.value)
-                running[remote.remote(content, {key: used[key] for key in values})] = task
-            for finished in ray.wait(list(running), timeout=_LOOK)[0]:
-                task = running.pop(finished)
-                done(task.name, _result(finished, task))
-        for reference in running:
-            ray.cancel(reference, force=True)
-        self.stored = used
+        try:
+            while (waiting or running) and not stopped():
+                # Enough to keep all processors of the cluster, as it is now, busy.
+                room = 2 * int(ray.cluster_resources().get("CPU", 1))
+                while waiting and len(running) < room:
+                    task = waiting.pop()
+                    content, values = packed(task, CloudPickler)
+                    for key, one in values.items():
+                        if key not in used:
+                            used[key] = self.stored.get(key) or ray.put(one.value)
+                    running[remote.remote(content, {key: used[key] for key in values})] = task
+                for finished in ray.wait(list(running), timeout=_LOOK)[0]:
+                    task = running.pop(finished)
+                    done(task.name, _result(finished, task))
+        finally:  # also where a task fails: nobody waits for the others any more
+            for reference in running:
+                ray.cancel(reference, force=True)
+            self.stored = used
 
 
 def _result(finished: ray.ObjectRef, task: Task) -> Arrays:

@@ -1,6 +1,7 @@
 """Tasks in several processes on this machine, as many as there is memory for."""
 
 import os
+import pickle
 import resource
 import signal
 import sys
@@ -68,6 +69,13 @@ def processes(
     written = _Written(tempfile.TemporaryDirectory(prefix="habilis-"))
 
     def run(tasks: Sequence[Task], done: Done, stopped: Stopped) -> None:
+        try:
+            finish(tasks, done, stopped)
+        finally:  # those still at work would hand over their results to the next call
+            _end([worker for worker in workers if worker.task is not None])
+            workers[:] = [worker for worker in workers if worker.task is None]
+
+    def finish(tasks: Sequence[Task], done: Done, stopped: Stopped) -> None:
         written.begin()
         if not room:
             workers.append(_start())
@@ -83,8 +91,8 @@ def processes(
                 return
             for pipe in wait([w.pipe for w in workers], _LOOK):
                 worker = next(w for w in workers if w.pipe is pipe)
-                task, answer = worker.task, _answer(worker)
-                worker.task = None
+                task, worker.task = worker.task, None
+                answer = _answer(worker)
                 if answer is None:
                     workers.remove(worker)
                     if task is not None:
@@ -97,11 +105,7 @@ def processes(
     try:
         yield run
     finally:
-        for worker in workers:
-            worker.process.kill()
-        for worker in workers:
-            worker.process.join()
-            worker.pipe.close()
+        _end(workers)
         written.folder.cleanup()
 
 
@@ -150,14 +154,15 @@ def _how_many(
     """The number of processes that there is memory for."""
     if count == 1:
         return 1
-    largest = max(tasks, key=lambda task: task.size)
-    first.pipe.send((_needed_memory, *written.pack(largest)))
+    first.task = max(tasks, key=lambda task: task.size)
+    first.pipe.send((_needed_memory, *written.pack(first.task)))
     while not first.pipe.poll(_LOOK):
         if stopped():
             return 1
     needed = _answer(first)
     if needed is None:
         raise ValueError("the first process was lost at its first task; free some memory")
+    first.task = None
     each = MARGIN * needed
     room = 1 + int(available_memory() // each)
     if room < count:
@@ -195,6 +200,14 @@ def _start() -> _Worker:
     return _Worker(process, ours)
 
 
+def _end(workers: Sequence[_Worker]) -> None:
+    for worker in workers:
+        worker.process.kill()
+    for worker in workers:
+        worker.process.join()
+        worker.pipe.close()
+
+
 def _give(worker: _Worker, task: Task, written: _Written) -> None:
     worker.task = task
     message = _run, *written.pack(task)
@@ -224,8 +237,16 @@ def _work(pipe: Connection) -> None:
         try:
             answer = function(unpacked(content, lambda key: _value(files[key])))  # noqa: B023
         except Exception as error:
-            answer = error
+            answer = _portable(error)
         pipe.send(answer)
+
+
+def _portable(error: Exception) -> Exception:
+    """An error as it can be sent: itself, or if that is impossible what it says."""
+    try:
+        return pickle.loads(pickle.dumps(error))
+    except Exception:
+        return RuntimeError(f"{type(error).__name__}: {error}")
 
 
 @lru_cache(2)

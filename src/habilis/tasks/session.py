@@ -176,7 +176,14 @@ def kept_in(
         with writing(session.folder):
             write_whole(mark, lambda file: file.write(_ABOUT.encode()))
 
+        signalled = session.stopped
+
         def run(tasks: Sequence[Task], done: Done, stopped: Stopped) -> None:
-            session.compute(tasks, on_result=done)
+            session.stopped = lambda: signalled() or stopped()
+            try:
+                session.compute(tasks, on_result=done)
+            except Interrupted:
+                if signalled() or not stopped():  # otherwise the caller knows
+                    raise
 
         yield run

@@ -98,7 +98,7 @@ def results_of(
         on_progress: called first, and after each.
 
     Raises:
-        ValueError: a task fails, or the executor left some out.
+        ValueError: a task fails, or the executor left some out, or hands over something else.
     """
     wanted = {task.name: task for task in tasks}
     results: dict[str, Arrays] = {}
@@ -108,6 +108,15 @@ def results_of(
             on_progress(len(results), len(wanted))
 
     def done(name: str, result: Arrays) -> None:
+        if name not in wanted:
+            raise ValueError(f"{name}: the executor was given no such task; let it pass task.name")
+        try:
+            wanted[name].check(result)
+        except (ValueError, KeyError, TypeError) as error:
+            raise ValueError(
+                f"{wanted[name].label}: the executor's result is not the task's ({error}); let it "
+                "hand over what task.run() returns"
+            ) from None
         results[name] = result
         report()
 
