@@ -47,7 +47,7 @@ def noisy_table(states: int, actions: int, seed: int) -> np.ndarray:
     return P
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(SEEDS, st.integers(1, 4), st.booleans())
 def test_every_sequence_is_followed_to_its_observations(seed: int, horizon: int, noisy: bool):
     rng = np.random.default_rng(seed)
