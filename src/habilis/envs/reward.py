@@ -231,10 +231,12 @@ class VectorEmpowermentReward(VectorWrapper):
         identity = Identity(None, ignore, state)
         self._states = _states_of(env.unwrapped, measure, max_states, identity)
         self._under = partial(_measured_under, sensor, discount, method)
+        self._bonus = self._constant_bonus()
         self._mode = env.metadata.get("autoreset_mode", AutoresetMode.NEXT_STEP)
         self._taken = 0
         self._before = np.empty(0, np.int64)
-        self._ended = np.zeros(self.num_envs, bool)
+        self._everywhere = np.ones(self.num_envs, bool)
+        self._ended, self._any = np.zeros(self.num_envs, bool), False
 
     def follow(self, policy: Policy) -> None:
         """Computes effective empowerment anew, under the agent's policy.
@@ -246,6 +248,7 @@ class VectorEmpowermentReward(VectorWrapper):
             ValueError: as there.
         """
         self._states.measure(partial(self._under, policy))
+        self._bonus = self._constant_bonus()
 
     def reset(
         self,
@@ -258,6 +261,7 @@ class VectorEmpowermentReward(VectorWrapper):
         given: Any = seed
         observations, info = self.env.reset(seed=given, options=options and dict(options))
         self._ended = self._ended & (False if mask is None else ~mask)
+        self._any = bool(self._ended.any())
         self._before = self._states.now()
         return observations, info | self._masked({EMPOWERMENT: self._states.values[self._before]})
 
@@ -266,24 +270,36 @@ class VectorEmpowermentReward(VectorWrapper):
             raise gymnasium.error.ResetNeeded("call reset before step")
         observations, rewards, terminated, truncated, info = self.env.step(actions)
         now, ended = self._states.now(), terminated | truncated
-        reached = now
-        if self._mode is AutoresetMode.SAME_STEP and ended.any():
+        reached, any_ended = now, bool(ended.any())
+        if self._mode is AutoresetMode.SAME_STEP and any_ended:
             reached = self._states.last(now, ended, info)
-        values = self._states.values
-        total = regularised(
-            *(self._numbers, rewards, values[reached], values[self._before], terminated),
-            self._taken,
-        )
-        if self._mode is AutoresetMode.NEXT_STEP:
-            total = np.where(self._ended, rewards, total)
+        bits = self._states.values.take(reached)
+        if self._bonus is None:
+            of_current = self._states.values.take(self._before)
+            total = regularised(self._numbers, rewards, bits, of_current, terminated, self._taken)
+        else:
+            total = self._bonus.take(reached)
+            total += rewards
+        if self._mode is AutoresetMode.NEXT_STEP and self._any:
+            np.copyto(total, rewards, where=self._ended)
         self._taken += self.num_envs
-        self._before, self._ended = now, ended
-        added = {EXTRINSIC: rewards.copy(), EMPOWERMENT: values[reached]}
+        self._before, self._ended, self._any = now, ended, any_ended
+        added = {EXTRINSIC: rewards.copy(), EMPOWERMENT: bits}
         return observations, total, terminated, truncated, info | self._masked(added)
+
+    def _constant_bonus(self) -> Float64[np.ndarray, "S"] | None:
+        """The bonus of a step to each state, where nothing else decides on it: one look-up."""
+        n = self._numbers
+        constant = n["beta_falls"] == n["beta_halves"] == n["of_current"] == 0
+        simple = constant and n["of_terminal"] == n["extrinsic"] == 1
+        if not simple or not isinstance(self._states, _OwnStates):
+            return None
+        values = self._states.values
+        return regularised(n, 0.0, values, np.zeros_like(values), False, 0)
 
     def _masked(self, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """With the mask of environments that Gymnasium's vector infos have beside each array."""
-        return columns | {f"_{name}": np.ones(self.num_envs, bool) for name in columns}
+        return columns | {f"_{name}": self._everywhere.copy() for name in columns}
 
 
 class _OwnStates:

@@ -82,6 +82,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._columns = dict(columns or {})
         self._show, self._actions = shown.show, mdp.action_count
         self._max_steps, self._slip = max_steps, slip
+        self._everywhere = np.ones(num_envs, bool)
         self.single_observation_space: Any = shown.space
         self.single_action_space: Any = gymnasium.spaces.Discrete(mdp.action_count)
         self.observation_space: Any = batch_space(shown.space, num_envs)
@@ -194,7 +195,7 @@ class TableVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             info[name] = column.take(self.state)
         if self._masks is not None:
             info[ACTION_MASK] = self._masks[self.state]
-        info.update({f"_{name}": np.ones(self.num_envs, bool) for name in tuple(info)})
+        info.update({f"_{name}": self._everywhere.copy() for name in tuple(info)})
         return info
 
     def _final(self, mask: Bool[np.ndarray, "N"]) -> dict[str, Any]:
@@ -223,7 +224,7 @@ def checked_actions(actions: Any, num_envs: int, count: int) -> Int[np.ndarray, 
             f"give {num_envs} whole numbers"
         )
     # As unsigned numbers negative ones are large: one comparison for both ends.
-    if chosen.astype(np.uint64).max() >= count:
+    if chosen.view(chosen.dtype.str.replace("i", "u")).max() >= count:
         wrong = int(np.argmax((chosen < 0) | (chosen >= count)))
         raise ValueError(
             f"action {chosen[wrong]} of environment {wrong} is unknown; use 0 to {count - 1}"
