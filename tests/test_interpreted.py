@@ -19,6 +19,7 @@ from habilis.compiled import INTERPRETED, Compiled, compiled, part, paths
 from habilis.empowerment.tabular import beliefs, column_generation, counting, deterministic
 from habilis.empowerment.tabular.open_loop import problem_of
 from habilis.empowerment.tabular.persistence import persistence
+from habilis.empowerment.tabular.successors import Successors, states_within
 from habilis.models.interning import InternedRows
 
 SETTINGS = settings(deadline=None, max_examples=10)  # it is compiled at first
@@ -74,7 +75,7 @@ TABLES = st.builds(
 )
 
 
-def successors(mdp: hb.TabularMDP) -> beliefs.Successors:
+def successors(mdp: hb.TabularMDP) -> Successors:
     return problem_of(mdp, 1, "state", np.arange(mdp.action_count), 1e-6).successors
 
 
@@ -89,7 +90,7 @@ def test_beliefs(mdp: hb.TabularMDP, horizon: int):
             after = beliefs.beliefs_after(led, start, horizon)
             dense = after.matrix if isinstance(after.matrix, np.ndarray) else after.matrix.toarray()
             parts += [after.states, dense, *(part for step in after.steps for part in step)]
-            parts.append(beliefs.states_within(led, start, horizon))
+            parts.append(states_within(led, start, horizon))
             parts += beliefs.distinct(np.concatenate([dense, dense[::-1]]))
         return parts
 

@@ -10,11 +10,12 @@ from jaxtyping import Float64, Int64
 from habilis.channels.capacity_solver import best_inputs
 from habilis.channels.small_channels import compile_solver
 from habilis.empowerment.limits import Limits, takes, too_much
-from habilis.empowerment.tabular.beliefs import ENOUGH, FEWER, compile_kernels, states_within
+from habilis.empowerment.tabular.beliefs import ENOUGH, FEWER, compile_kernels
 from habilis.empowerment.tabular.column_generation import capacity_of, sequences_from
 from habilis.empowerment.tabular.last_actions import compile_last_actions
 from habilis.empowerment.tabular.open_loop import Problem, drawn, solve_channel
 from habilis.empowerment.tabular.outcomes import outcomes_after
+from habilis.empowerment.tabular.successors import states_within
 from habilis.probabilities import shape_of
 
 _PROBED, _LEAST_PROBED = 17, 3  # states looked at, from all over ...

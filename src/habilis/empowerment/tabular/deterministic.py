@@ -169,7 +169,7 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
     if asked.label_count <= MOST_PACKED_LABELS:
         gib = _check(horizon, part, _packed_bytes(asked, -(-asked.label_count // 64)))
         _compile_packed(asked)
-        # Of many actions nobody knows which ones repeat the first, so only the time taken is limited.
+        # When rows of a long horizon begin to repeat is unknown: only the time taken is limited.
         clock = Clock(horizon, limits)
         watch = watched(horizon, horizon, gib, limits, question.report)
         sets = sets_backward(

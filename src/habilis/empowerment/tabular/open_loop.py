@@ -12,14 +12,9 @@ from habilis.channels.bounds import information_error
 from habilis.channels.capacity_solver import best_inputs
 from habilis.empowerment.one_step import last_observations, moves_of
 from habilis.empowerment.sensors import Sensor, is_by_action, observation_probabilities
-from habilis.empowerment.tabular.beliefs import (
-    SAME,
-    Beliefs,
-    Successors,
-    distinct,
-    unheard,
-)
+from habilis.empowerment.tabular.beliefs import SAME, Beliefs, distinct, unheard
 from habilis.empowerment.tabular.outcomes import followed, outcomes_after, wandered
+from habilis.empowerment.tabular.successors import Successors
 from habilis.mdp import TabularMDP
 from habilis.probabilities import shape_of
 

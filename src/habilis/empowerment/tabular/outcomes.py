@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int32
 
 from habilis.empowerment.tabular import beliefs
-from habilis.empowerment.tabular.beliefs import Beliefs, Successors, TooManyBeliefsError, unheard
+from habilis.empowerment.tabular.beliefs import Beliefs, TooManyBeliefsError, unheard
+from habilis.empowerment.tabular.successors import Successors
 from habilis.probabilities import is_sparse, shape_of
 
 if TYPE_CHECKING:

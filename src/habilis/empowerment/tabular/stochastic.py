@@ -9,11 +9,12 @@ from jaxtyping import Float64, Int64
 from habilis.channels.small_channels import MOST_OUTPUTS
 from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.limits import Limits, Progress, too_much
-from habilis.empowerment.tabular.beliefs import TooManyBeliefsError, states_within, unheard
+from habilis.empowerment.tabular.beliefs import TooManyBeliefsError, unheard
 from habilis.empowerment.tabular.blocks import in_turn
 from habilis.empowerment.tabular.column_generation import certified, sampled
 from habilis.empowerment.tabular.cost import check_effort, check_samples, most_entries
 from habilis.empowerment.tabular.open_loop import Problem
+from habilis.empowerment.tabular.successors import states_within
 from habilis.probabilities import shape_of
 from habilis.processors import processors
 
