@@ -1,6 +1,6 @@
 """How good estimators of empowerment are: all of the package in every case of the suite.
 
-    python -m research.estimators          # results/estimators.csv; prints the processor time
+    python -m research.estimators          # results/estimators.csv, ten minutes of processor time
     python -m research.estimators states   # results/variational_states.csv, a minute
 
 The first table is what `habilis estimators --out estimators.csv` writes. The page

@@ -32,7 +32,7 @@ PICTURE = ROOT / "docs" / "explanation" / "growth.png"
 APART = ROOT / ".venv-integration" / "bin" / "python"
 """Where Stable-Baselines3 is: `make .venv-integration/installed`."""
 _FEW = 2_000  # up to which sizes are written out
-LARGE = ("kinds",)
+LARGE = ("noise",)
 
 
 def machine() -> str:
