@@ -15,7 +15,7 @@ import pytest
 
 import habilis as hb
 from habilis.cli import main
-from habilis.estimators import FirstAction, RandomSequences, VarianceProxy, contestants
+from habilis.estimators import FirstAction, OnGrid, RandomSequences, VarianceProxy, contestants
 from habilis.estimators.evaluation.tasks import tasks_of
 from habilis.tasks.shared import packed, unpacked
 
@@ -248,6 +248,8 @@ def test_names_of_tasks_are_those_of_estimator_case_and_seed():
     maze, other = hb.suite(["maze", "maze-10"])
 
     counting = hb.Counting()
+    fine = np.linspace(0, 1, 2001)  # of which repr shows a part
+    shifted = np.where(np.arange(2001) == 1000, fine + 1e-4, fine)
 
     def names(estimator: Any = counting, case=maze, seeds=(0,)) -> list[str]:
         return [task.name for task in tasks_of("any name", estimator, case, seeds)]
@@ -261,8 +263,12 @@ def test_names_of_tasks_are_those_of_estimator_case_and_seed():
         names(seeds=(1, 2)),
         names(Fixed(maze.bits)),
         names(Fixed(maze.bits + 1)),
+        *(names(hb.Variational(states=states)) for states in (None, [[0.0]], [[1.0]])),
+        *(names(OnGrid(hb.Counting(), [axis])) for axis in (fine, shifted)),
+        names(OnGrid(Fixed(maze.bits), [fine])),
     ]
-    assert len({*names(), *(name for found in each for name in found)}) == 9
+    assert len({*names(), *(name for found in each for name in found)}) == 15
+    assert names(hb.Variational(show_progress=True)) == names(hb.Variational())
 
 
 def test_ones_own_estimator_is_carried_to_processes_that_do_not_have_its_file(folder: Path, capsys):

@@ -2,8 +2,8 @@
 
 import pickle
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, is_dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any
 
@@ -18,7 +18,8 @@ from habilis.own_code import FILE
 from habilis.tasks.shared import Shared
 from habilis.tasks.task import Arrays
 
-_EDITION = 1  # of the results, which are kept
+_EDITION = 2  # of the results, which are kept
+_WITHOUT_EFFECT = "folder", "show_progress"
 
 
 @dataclass(frozen=True)
@@ -108,12 +109,11 @@ def tasks_of(
     """
     estimator = set_up(contestant, case)
     carried, shared = Carried.of(estimator), Shared(_identity(case), Carried.of(case))
-    known = is_dataclass(estimator) and type(estimator).__module__.startswith("habilis.")
-    described = repr(estimator) if known else carried.content
+    settings = [*_settings(estimator)]
     size = case.simulator.mdp.states if isinstance(case.simulator, FiniteSimulator) else 0
     return [
         EstimateTask(
-            fingerprint(_EDITION, described, shared.key, seed)[:32],
+            fingerprint(_EDITION, shared.key, seed, *settings)[:32],
             f"{name}, {case.name}, seed {seed}",
             float(size),
             carried,
@@ -122,6 +122,24 @@ def tasks_of(
         )
         for seed in seeds
     ]
+
+
+def _settings(value: Any) -> Iterator[Any]:
+    """All that an estimator's results depend on, arrays whole, for a hash."""
+    if is_dataclass(value) and type(value).__module__.startswith("habilis."):
+        yield type(value).__name__
+        for one in fields(value):
+            if one.name not in _WITHOUT_EFFECT:
+                yield one.name
+                yield from _settings(getattr(value, one.name))
+    elif isinstance(value, list | tuple):
+        yield len(value)
+        for one in value:
+            yield from _settings(one)
+    elif value is None or isinstance(value, np.ndarray | np.generic | str | int | float):
+        yield value
+    else:
+        yield Carried.of(value).content
 
 
 def _identity(case: Case) -> str:
