@@ -98,7 +98,7 @@ def _first_changes(
     sizes = [0]
     while len(sizes) <= horizon:
         time = len(sizes)
-        if sizes[-1] > _ALMOST_ALL * len(table):
+        if sizes[-1] > _ALMOST_ALL * len(table) or time == _LAST:
             first[first == _NEVER] = time
             sizes.append(len(table))
             break
