@@ -2,7 +2,7 @@
 
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from functools import lru_cache
 from importlib import import_module
@@ -121,10 +121,18 @@ def importing_from(folder: Path) -> Iterator[None]:
             sys.path.remove(str(folder))
 
 
-def failure(error: BaseException) -> str:
-    """An error in somebody's code, in one line, and its place in it."""
+def failure(error: BaseException, files: Collection[str | None] = ()) -> str:
+    """An error in somebody's code, in one line, and its place in it.
+
+    Args:
+        error: as it was caught.
+        files: those in which the place is sought; by default the first file that the catcher
+            called.
+    """
     frames = traceback.extract_tb(error.__traceback__)[1:]
     places = [(f.filename, f.lineno) for f in frames if "importlib" not in f.filename]
+    if files:
+        places = [place for place in places if place[0] in files]
     if isinstance(error, SyntaxError):
         places = [(error.filename or "?", error.lineno)]
     what = type(error).__name__

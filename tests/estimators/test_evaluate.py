@@ -1,4 +1,4 @@
-"""Estimators held against the truth, in Python and on the command line."""
+"""Estimators compared with the truth, in Python and on the command line."""
 
 import json
 import pickle
@@ -196,7 +196,7 @@ def test_an_estimator_that_gives_too_few_values_has_a_reason(folder: Path, capsy
         ("--estimator none.py:Off", "none.py cannot be read"),
         ("--estimator no.such:Off", "importing 'no.such' fails with ModuleNotFoundError"),
         ("--estimator best", "estimator 'best' is unknown; use counting"),
-        ("--estimator mine.py:Broken --cases maze", "mine.py:Broken: fails with AttributeError"),
+        ("--estimator mine.py:Broken --cases maze", "'nothing' (mine.py, line 18)"),
         ("--cases amaze", "case 'amaze' is unknown"),
         ("--out found.npz", "found.npz"),
         ("--seeds 0 --cases maze --estimator counting", "seeds is 0"),

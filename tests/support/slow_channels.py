@@ -1,4 +1,4 @@
-"""The slow, plain ways that the fast ones are held against."""
+"""The slow, plain ways that the fast ones are compared with."""
 
 from itertools import product
 

@@ -3,6 +3,8 @@
 import os
 import pickle
 import re
+import subprocess
+import sys
 import tempfile
 import time
 from dataclasses import dataclass, field
@@ -173,6 +175,22 @@ def test_a_task_that_loses_process_after_process_is_given_up(tmp_path):
         line = "the square of 7: 3 processes were lost at this task; give fewer --processes"
         with pytest.raises(ValueError, match=line):
             session.compute([Lost(7)])
+
+
+def test_the_error_of_an_unguarded_script_names_the_guard(tmp_path):
+    """Each process imports the script, and would start processes in turn."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from habilis import TabularMDP, empowerment\n"
+        "from habilis.tasks import processes\n"
+        "with processes(2) as executor:\n"
+        "    empowerment(TabularMDP.deterministic([[0, 1]] * 2), 1, executor=executor)\n"
+    )
+    ended = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert ended.returncode == 1
+    guard = 'in a script, start processes under `if __name__ == "__main__":`'
+    assert f"a process that is being started cannot start others; {guard}" in ended.stderr
+    assert ended.stderr.splitlines()[-1].endswith(f"free some memory, or, {guard}")
 
 
 class TwoPartsError(Exception):

@@ -64,7 +64,7 @@ def horizon_of(args: Args) -> int:
 
 def add_player(parser: argparse.ArgumentParser) -> None:
     """Whose empowerment it is, where there are several agents."""
-    text = "whose it is, of a map with two agents, as agent, or a table of several players"
+    text = "agent whose empowerment is computed, of a map with two or a table of several players"
     parser.add_argument("--player", metavar="NAME", help=text)
     text = "what the other players do: uniform (the default), or their best or worst for the player"
     parser.add_argument("--others", choices=("uniform", "best", "worst"), help=text)

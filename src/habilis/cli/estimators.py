@@ -1,6 +1,7 @@
-"""`habilis estimators`: estimators held against known empowerment."""
+"""`habilis estimators`: estimators evaluated on cases with known empowerment."""
 
 import argparse
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from habilis.estimators.evaluation.case import Case
 
-HELP: str = "hold estimators of empowerment against exact values"
+HELP: str = "evaluate estimators of empowerment on cases with known values"
 EXAMPLE: str = "habilis estimators --estimator counting --cases maze,yard"
 COMMON: tuple[str, ...] = ("--estimator", "--cases", "--quick", "--out")
 
@@ -66,7 +67,7 @@ def run(args: Args) -> int:
 @contextmanager
 def _own_code(args: Args) -> Iterator[None]:
     """Turns an error in somebody's estimator into one line."""
-    from habilis.own_code import failure, is_own
+    from habilis.own_code import BETWEEN, failure, is_own
 
     try:
         yield
@@ -74,7 +75,9 @@ def _own_code(args: Args) -> Iterator[None]:
         own = [name for name in args.estimator or () if is_own(name)]
         if isinstance(error, ValueError) or not own:
             raise
-        raise ValueError(f"{', '.join(own)}: fails with {failure(error)}; fix it") from error
+        files = [sys.modules[name.rpartition(BETWEEN)[0]].__file__ for name in own]
+        what = failure(error, files)
+        raise ValueError(f"{', '.join(own)}: fails with {what}; fix it") from error
 
 
 def _chosen(args: Args) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """The samplers of public code, written anew from their formulas, for comparison.
 
 None of them needs a model of the world, and each is quick. They are here so that the better
-estimators can be held against what is in use; see `docs/explanation/estimators.md` for how far off
+estimators can be compared with what is in use; see `docs/explanation/estimators.md` for how far off
 they are.
 """
 

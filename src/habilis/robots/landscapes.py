@@ -26,7 +26,7 @@ def draw_comparison(found: ToolComparison, model: str | Path, than: str = NO_TOO
     Args:
         found: what `compare_tools` returned.
         model: the model that it was given.
-        than: the tool that the others are held against; nothing is below where it was not compared.
+        than: the tool that the others are compared with; nothing is drawn below where it was not.
 
     Returns:
         A figure of its own, which `savefig` saves. Squares without a value are white: the puck
@@ -119,7 +119,7 @@ def _draw_scale(figure: "Figure", most: float, left: float, bottom: float, high:
 
 
 def _draw_key(figure: "Figure", left: int, width: int, height: int, high: int) -> None:
-    """The colours of verdicts, below the tool that others are held against."""
+    """The colours of verdicts, below the tool that others are compared with."""
     ax = figure.add_axes(
         (
             left / width,

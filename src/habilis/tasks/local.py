@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
-from multiprocessing import get_context, parent_process, resource_tracker
+from multiprocessing import current_process, get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -27,6 +27,7 @@ from habilis.tasks.task import Arrays, Done, Executor, Stopped, Task
 MARGIN = 1.25
 """Memory allowed for each further process, relative to what the first one needed."""
 
+_GUARD = 'in a script, start processes under `if __name__ == "__main__":`'
 _PATIENCE = 3  # processes that may be lost to one task
 _LOOK = 0.5  # seconds between two looks at whether to stop
 _CGROUP = Path("/sys/fs/cgroup")  # where Linux states what a container may use
@@ -49,7 +50,8 @@ def processes(
 
     The first process rehearses the largest task; the memory that this needs decides how many
     others fit into what is available. A task whose process is lost is run again. What tasks share
-    is written to a temporary file, which all processes map.
+    is written to a temporary file, which all processes map. A process imports the script that
+    started it, so a script calls this under `if __name__ == "__main__":`.
 
     Args:
         count: of processes, at most.
@@ -59,11 +61,13 @@ def processes(
         A context within which the processes exist.
 
     Raises:
-        ValueError: `count` is below 1; or, when the executor is used, a task fails, or its
-            processes are lost again and again.
+        ValueError: `count` is below 1, or this process is one that is just being started; or, when
+            the executor is used, a task fails, or its processes are lost again and again.
     """
     if count < 1:
         raise ValueError(f"processes is {count}; give at least 1")
+    if getattr(current_process(), "_inheriting", False):
+        raise ValueError(f"a process that is being started cannot start others; {_GUARD}")
     workers: list[_Worker] = []
     room: list[int] = []
     written = _Written(tempfile.TemporaryDirectory(prefix="habilis-"))
@@ -161,7 +165,9 @@ def _how_many(
             return 1
     needed = _answer(first)
     if needed is None:
-        raise ValueError("the first process was lost at its first task; free some memory")
+        raise ValueError(
+            f"the first process was lost at its first task; free some memory, or, {_GUARD}"
+        )
     first.task = None
     each = MARGIN * needed
     room = 1 + int(available_memory() // each)
@@ -180,7 +186,7 @@ def _check_patience(task: Task, times: int) -> None:
     if times >= _PATIENCE:
         raise ValueError(
             f"{task.label}: {times} processes were lost at this task; give fewer --processes, "
-            "or free some memory"
+            f"or free some memory; {_GUARD}"
         )
 
 

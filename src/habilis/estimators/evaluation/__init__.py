@@ -1,1 +1,1 @@
-"""Exact cases that estimators are held against, and what comes of it."""
+"""Cases with known empowerment, and the evaluation of estimators on them."""

@@ -1,4 +1,4 @@
-"""Estimators held against the truth: bias, error, order of the states, and what they cost."""
+"""Estimators compared with the truth: bias, error, order of the states, and what they cost."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain, product
@@ -41,7 +41,7 @@ def evaluate(
 ) -> "pl.DataFrame":
     """How far estimators are from known empowerment.
 
-    Only like is compared with like: an estimator of effective empowerment is not held against a
+    Only like is compared with like: an estimator of effective empowerment is not compared with a
     capacity, nor the other way round.
 
     Args:

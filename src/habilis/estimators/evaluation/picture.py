@@ -29,7 +29,7 @@ def evaluation_figure(table: "pl.DataFrame") -> Figure:
     """
     cases = table["case"].unique(maintain_order=True).to_list()
     names = table["estimator"].unique(maintain_order=True).to_list()
-    size = 3.2 + 2 * 0.72 * len(names), 1.7 + 0.27 * len(cases)
+    size = 3.2 + 2 * 0.72 * max(3, len(names)), 1.7 + 0.27 * len(cases)
     figure = Figure(figsize=size, dpi=96, layout="constrained")
     for ax, (measure, (title, colours, scale)) in zip(
         figure.subplots(1, 2, sharey=True), _PANELS.items(), strict=True

@@ -1,4 +1,4 @@
-"""Estimators held against known values as independent tasks: one seed, one case, one estimator."""
+"""Estimators compared with known values in independent tasks: one seed, one case, one estimator."""
 
 import pickle
 import sys
@@ -75,7 +75,7 @@ class EstimateTask:
         label: their names.
         size: of the simulator's table, if it has one.
         estimator: what is fitted.
-        case: what it is held against.
+        case: what it is evaluated on.
         seed: of the fit.
     """
 
