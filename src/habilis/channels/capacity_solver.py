@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _ROUNDS = 200  # of working sets
 STEPS = 60  # of Newton's method in a round
+FINEST = float(np.finfo(np.float64).eps)  # nats: inputs that are the best at once leave no slack
 _WARM_UP = 40  # of Blahut and Arimoto's iteration, which finds out which inputs matter
 SHARE = 0.99  # how far to go towards the boundary
 _UNUSED = 1e-9  # inputs with less are left out of the next working set
@@ -91,6 +92,7 @@ def newton(
     the conditions of Kuhn and Tucker, under which c is the capacity.
     """
     n, _ = P.shape
+    tolerance = max(tolerance, FINEST)
     p = np.maximum(inputs, 1e-3 / n)
     p /= p.sum()
     q = np.maximum(p @ P, LEAST)

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from habilis.channels.bounds import LEAST, Inputs
-from habilis.channels.capacity_solver import SHARE, STEPS
+from habilis.channels.capacity_solver import FINEST, SHARE, STEPS
 from habilis.compiled import compile_now, compiled, part
 
 MOST_OUTPUTS = 192
@@ -25,7 +25,7 @@ def inputs_of_few_outputs(
 ) -> Inputs:
     """As `capacity_solver.newton`: inputs that attain the capacity to within `tolerance` nats."""
     rows = np.ascontiguousarray(P)
-    return _newton(rows, np.ascontiguousarray(rows.T), entropy, inputs, float(tolerance))
+    return _newton(rows, np.ascontiguousarray(rows.T), entropy, inputs, float(max(tolerance, FINEST)))
 
 
 def compile_solver() -> None:

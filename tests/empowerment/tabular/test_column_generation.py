@@ -15,7 +15,7 @@ import habilis as hb
 from habilis.channels.capacity_solver import newton
 from habilis.channels.small_channels import inputs_of_few_outputs
 from habilis.empowerment.tabular import beliefs, column_generation, stochastic
-from habilis.empowerment.tabular.column_generation import certified, sequences_from
+from habilis.empowerment.tabular.column_generation import capacity_of, certified, sequences_from
 from habilis.empowerment.tabular.last_actions import LANES, LastActions, side_by_side
 from habilis.empowerment.tabular.open_loop import exact, problem_of
 from habilis.mdp import TabularMDP
@@ -107,6 +107,18 @@ def test_a_certificate_holds_the_capacity_of_the_channel_written_out(merging: st
             assert gap <= tolerance
 
 
+def test_a_gap_includes_what_rounding_and_merging_can_do():
+    """Both bounds are the same number here: without noise in them the gap would be 0."""
+    P = np.array([[[0.9, 0.1], [0.1, 0.9]]] * 2)
+    asked = problem(P, 1, tolerance=0)
+    sequences, merged = sequences_from(asked, 0)
+    bits, gap = capacity_of(sequences, sequences.neg_entropies(), 0.0, 0.0)
+    assert abs(bits - (1 + 0.9 * np.log2(0.9) + 0.1 * np.log2(0.1))) <= gap
+    assert 1e-14 < gap < 1e-12
+    assert merged > 0
+    assert certified(asked, 0) == (bits, gap + merged)
+
+
 @pytest.mark.parametrize("horizon", [3, 4])
 def test_capacities_are_those_of_all_sequences_whatever_is_merged(merging: str, horizon: int):
     rng = np.random.default_rng(horizon)
@@ -151,6 +163,13 @@ def test_both_ways_of_newton_attain_the_same(rows: int, columns: int, seed: int)
         assert inputs.min() >= 0
         assert inputs.sum() == pytest.approx(1)
         assert each.max() - inputs @ each <= 1e-7
+
+
+def test_inputs_that_are_the_best_at_once_stay_so():
+    P = np.array([[0.9, 0.1], [0.1, 0.9]])
+    entropy = (P * np.log(P)).sum(axis=1)
+    for solve in (newton, inputs_of_few_outputs):
+        assert solve(P, entropy, np.full(2, 0.5), 0.0) == pytest.approx([0.5, 0.5])
 
 
 def test_values_are_the_same_to_the_bit_for_any_number_of_threads(merging: str):
