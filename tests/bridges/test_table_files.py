@@ -181,7 +181,10 @@ def test_files_of_earlier_versions_are_read(tmp_path: Path):
     content = BytesIO()
     np.savez(content, allow_pickle=False, **read_arrays(path))
     path.write_bytes(content.getvalue() + hashlib.sha256(content.getvalue()).digest())
-    assert_same(mdp, TabularMDP.load(path))
+    found = TabularMDP.load(path)
+    assert_same(mdp, found)
+    for array in (found.next_state, found.reward, found.factors["place"]):
+        assert array.flags.aligned
 
 
 def test_every_size_of_array_is_mapped_or_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -228,6 +229,8 @@ def test_names_are_those_of_the_question_and_no_other():
     others = [
         {"horizon": 3},
         {"mdp": TABLE.slippery(0.31)},
+        {"mdp": replace(NOISY, players={"we": ACTIONS, "they": 1})},
+        {"mdp": replace(NOISY, players={"they": 1, "we": ACTIONS})},
         {"sensor": SEEN},
         {"sensor": np.roll(SEEN, 1, axis=0)},
         {"actions": [0, 1]},

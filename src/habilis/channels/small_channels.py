@@ -24,8 +24,8 @@ def inputs_of_few_outputs(
     P: Float64[np.ndarray, "n m"], entropy: Inputs, inputs: Inputs, tolerance: float
 ) -> Inputs:
     """As `capacity_solver.newton`: inputs that attain the capacity to within `tolerance` nats."""
-    rows = np.ascontiguousarray(P)
-    return _newton(rows, np.ascontiguousarray(rows.T), entropy, inputs, float(max(tolerance, FINEST)))
+    rows, least = np.ascontiguousarray(P), float(max(tolerance, FINEST))
+    return _newton(rows, np.ascontiguousarray(rows.T), entropy, inputs, least)
 
 
 def compile_solver() -> None:
