@@ -118,7 +118,7 @@ def test_certified_capacities(mdp: hb.TabularMDP, horizon: int, enough: int):
             patch.setattr(beliefs, "FEWER", 0.7 if enough else 0.0)
             sequences, _ = column_generation.sequences_from(asked, 0)
             every = np.arange(sequences.sequences)
-            bits = column_generation.certified(asked, 0)
+            bits = column_generation.generated(asked, 0)
         return [*sequences.neg_entropies(), sequences.rows(every), np.array(bits)]
 
     check(found)

@@ -48,6 +48,15 @@ def test_an_episode_is_cut_off():
     assert [env.step(0)[1:4] for _ in range(2)] == [(-1.0, False, False), (-1.0, False, True)]
 
 
+@pytest.mark.parametrize("action", [-1, 5, 1.7, [1]])
+def test_what_is_no_action_is_refused(action: Any):
+    env = pushing()
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match=r"action is .*; give one from 0 to 4"):
+        env.step(action)
+    assert env.step(np.array(0))[1] == -1.0, "as agents of others give it"
+
+
 def test_a_tabulated_bonus_is_the_estimate_at_the_points_of_its_grid():
     axes = [0.0], [0.0], [0.0, 0.2], [0.7, 0.8], *([0.0],) * 4
     method = OnGrid(Counting(0.05, 50), axes)

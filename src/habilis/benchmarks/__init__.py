@@ -29,7 +29,7 @@ _LARGE = ("kinds", "noise")  # which have sizes that take minutes
 _APART = ("sb3", "lanes", "growth")  # when named: needs torch, is of interest on a GPU, minutes
 
 ROUNDS = 5
-_WARM = 0.5  # seconds; kernels that are called for less are not compiled (habilis.compiled)
+_WARM = 1.5  # seconds; kernels that have run for less are not compiled (habilis.compiled)
 
 Seconds = Float64[np.ndarray, "rounds"]
 
@@ -104,7 +104,7 @@ def run_benchmarks(names: Sequence[str], large: bool = False) -> list[Result]:
 def times(calls: Mapping[str, Callable[[], Any]], rounds: int = ROUNDS) -> dict[str, Seconds]:
     """Seconds of each call in each round.
 
-    Each is called for half a second before, so that all is compiled that will be. A round calls
+    Each is called for a while before, so that all is compiled that will be. A round calls
     all of them in turn, so that a noisy moment hits all alike: a ratio is taken round by round.
 
     Example:

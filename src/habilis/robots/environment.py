@@ -84,6 +84,9 @@ class PushingEnv(gymnasium.Env[np.ndarray, np.int64]):
     ) -> tuple[Float32[np.ndarray, "d"], float, bool, bool, dict[str, Any]]:
         if not self._left:
             raise gymnasium.error.ResetNeeded("call reset before step")
+        if not self.action_space.contains(action):
+            last = len(self.simulator.actions) - 1
+            raise ValueError(f"action is {action!r}; give one from 0 to {last}")
         controls = self.simulator.actions[int(action)]
         self.state = self.simulator.step(
             self.state[None], controls[None], self.np_random if self.simulator.noise else None

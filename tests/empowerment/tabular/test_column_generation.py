@@ -15,7 +15,13 @@ import habilis as hb
 from habilis.channels.capacity_solver import newton
 from habilis.channels.small_channels import inputs_of_few_outputs
 from habilis.empowerment.tabular import beliefs, column_generation, stochastic
-from habilis.empowerment.tabular.column_generation import capacity_of, certified, sequences_from
+from habilis.empowerment.tabular.column_generation import (
+    capacity_of,
+    certified,
+    generated,
+    is_written_out,
+    sequences_from,
+)
 from habilis.empowerment.tabular.last_actions import LANES, LastActions, side_by_side
 from habilis.empowerment.tabular.open_loop import exact, problem_of
 from habilis.mdp import TabularMDP
@@ -45,6 +51,15 @@ def noisy_table(states: int, actions: int, seed: int) -> np.ndarray:
     for s, a in np.ndindex(states, actions):
         P[s, a, rng.choice(states, 3, replace=False)] = [0.8, 0.15, 0.05]
     return P
+
+
+@pytest.mark.parametrize("permuted", [False, True])
+def test_what_the_last_action_shows_is_the_product_with_the_sensor(permuted: bool):
+    """An identity is left out of it; labels in another order are no identity."""
+    P = noisy_table(9, 3, seed=0)
+    labels = np.random.default_rng(0).permutation(9) if permuted else np.arange(9)
+    found = problem(P, 2, labels).last.toarray()
+    np.testing.assert_array_equal(found, (P @ np.eye(9)[labels]).reshape(27, 9))
 
 
 @settings(max_examples=25, deadline=None)
@@ -101,7 +116,7 @@ def test_a_certificate_holds_the_capacity_of_the_channel_written_out(merging: st
         asked = problem(P, horizon, tolerance=tolerance)
         for start in range(0, 12, 5):
             true = exact(problem(P, horizon, tolerance=1e-10), start)[1]
-            bits, gap = certified(asked, start)
+            bits, gap = generated(asked, start)
             assert bits <= true.bits + true.gap + 1e-12
             assert true.bits <= bits + gap + 1e-12
             assert gap <= tolerance
@@ -116,7 +131,7 @@ def test_a_gap_includes_what_rounding_and_merging_can_do():
     assert abs(bits - (1 + 0.9 * np.log2(0.9) + 0.1 * np.log2(0.1))) <= gap
     assert 1e-14 < gap < 1e-12
     assert merged > 0
-    assert certified(asked, 0) == (bits, gap + merged)
+    assert generated(asked, 0) == (bits, gap + merged)
 
 
 @pytest.mark.parametrize("horizon", [3, 4])
@@ -126,7 +141,7 @@ def test_capacities_are_those_of_all_sequences_whatever_is_merged(merging: str, 
         P = random_probabilities(np.random.default_rng(seed))
         sensor = rng.dirichlet(np.full(3, 0.5), len(P))
         matrix = channel_of_sure_sequences(P, sensor, 0, horizon, list(range(P.shape[1])))
-        bits, gap = certified(problem(P, horizon, sensor), 0)
+        bits, gap = generated(problem(P, horizon, sensor), 0)
         true = blahut_arimoto(np.unique(matrix, axis=0), gap=2e-6) if len(matrix) else 0.0
         assert bits <= true + CLOSE
         assert true <= bits + gap + 1e-9
@@ -137,17 +152,17 @@ def test_sequences_are_added_until_none_does_better(monkeypatch: pytest.MonkeyPa
     expected = exact(problem(P, 5), 0)[1].bits
     monkeypatch.setattr(column_generation, "_ALL", 0)
     monkeypatch.setattr(column_generation, "_ADDED", 0)  # but for one in a round
-    bits, gap = certified(problem(P, 5), 0)
+    bits, gap = generated(problem(P, 5), 0)
     assert gap <= 1e-6
     assert bits == pytest.approx(expected, abs=2e-6)
 
 
 def test_many_observations_are_left_to_blas(monkeypatch: pytest.MonkeyPatch):
     P = noisy_table(9, 3, 1)
-    with_loops = certified(problem(P, 4), 0)
+    with_loops = generated(problem(P, 4), 0)
     monkeypatch.setattr(column_generation, "MOST_OUTPUTS", 3)
     monkeypatch.setattr(column_generation, "inputs_of_few_outputs", None)
-    assert certified(problem(P, 4), 0)[0] == pytest.approx(with_loops[0], abs=2e-6)
+    assert generated(problem(P, 4), 0)[0] == pytest.approx(with_loops[0], abs=2e-6)
 
 
 @settings(max_examples=40, deadline=None)
@@ -228,3 +243,17 @@ def test_memory_does_not_grow_with_the_beliefs_of_the_last_actions():
     sequences, _ = sequences_from(asked, 0)
     assert sequences.remaining > 1
     assert sequences.blocks.size <= beliefs.ENOUGH * 4
+
+
+def test_few_sequences_are_written_out():
+    """So that nothing is compiled for them; both ways have certificates of one capacity."""
+    P = noisy_table(12, 3, seed=1)
+    for horizon, few in ((5, True), (6, False)):  # 243 and 729 sequences
+        asked = problem(P, horizon)
+        assert is_written_out(asked) is few
+        bits, gap = certified(asked, 0)
+        generated_bits, generated_gap = generated(asked, 0)
+        assert bits <= generated_bits + generated_gap
+        assert generated_bits <= bits + gap
+    answer = exact(problem(P, 5), 0)[1]
+    assert certified(problem(P, 5), 0) == (answer.bits, answer.gap)

@@ -30,6 +30,7 @@ from habilis.empowerment.tabular.open_loop import (
     channel_of,
     channel_of_ends,
     drawn,
+    exact,
     merging_error,
 )
 
@@ -48,8 +49,24 @@ def certified(problem: Problem, start: int) -> tuple[float, float]:
     """
     if problem.horizon == 0:
         return 0.0, 0.0
+    if is_written_out(problem):
+        _, answer = exact(problem, start)
+        return answer.bits, answer.gap
+    return generated(problem, start)
+
+
+def generated(problem: Problem, start: int) -> tuple[float, float]:
+    """`certified` by column generation, of 1 or more actions."""
     sequences, merged = sequences_from(problem, start)
     return capacity_of(sequences, sequences.neg_entropies(), problem.tolerance, merged)
+
+
+def is_written_out(problem: Problem) -> bool:
+    """Whether there are so few sequences that all are in the pool.
+
+    Their channel costs no more to write out; and nothing has to be compiled, or read, for it.
+    """
+    return bool(problem.horizon * np.log(problem.successors.actions) <= np.log(_ALL) + 1e-9)
 
 
 def sampled(problem: Problem, start: int, samples: int, seed: int) -> tuple[float, float]:

@@ -11,7 +11,11 @@ from habilis.channels.capacity_solver import best_inputs
 from habilis.channels.small_channels import compile_solver
 from habilis.empowerment.limits import Limits, takes, too_much
 from habilis.empowerment.tabular.beliefs import ENOUGH, FEWER, compile_kernels
-from habilis.empowerment.tabular.column_generation import capacity_of, sequences_from
+from habilis.empowerment.tabular.column_generation import (
+    capacity_of,
+    is_written_out,
+    sequences_from,
+)
 from habilis.empowerment.tabular.last_actions import compile_last_actions
 from habilis.empowerment.tabular.open_loop import Problem, drawn, solve_channel
 from habilis.empowerment.tabular.outcomes import outcomes_after
@@ -65,7 +69,7 @@ def check_effort(
             the largest horizon that fits.
     """
     successors, horizon = problem.successors, problem.horizon
-    actions = successors.actions
+    actions, listed = successors.actions, listed or is_written_out(problem)
     if successors.certain:  # beliefs are states: so many are gone through, or make a channel
         worst = np.log(
             max(horizon * actions, _width(problem, np.array([float(successors.states)]))[0])
@@ -163,7 +167,7 @@ def estimate(
     In these, beliefs are followed as far as that is cheap, and timed. From there on each step
     multiplies them as the last one did, which merging seldom exceeds.
     """
-    _compile(problem, int(starts[0]))
+    _compile(problem, int(starts[0]), listed)
     probe = _probe if listed or problem.successors.certain else _probe_of_last_actions
     probed = [probe(problem, start) for start in _probes(starts)]
     gib = np.max([memory for memory, _ in probed], axis=0)
@@ -254,11 +258,12 @@ def _grows(counts: list[float], actions: int) -> bool:
     return len(counts) > 1 and counts[-1] >= FEWER * actions * counts[-2]
 
 
-def _compile(problem: Problem, start: int) -> None:
+def _compile(problem: Problem, start: int, listed: bool = False) -> None:
     """Does once what is timed later: the first time, it is compiled, for many seconds."""
     compile_kernels()
-    compile_last_actions()
-    compile_solver()
+    if not listed:
+        compile_last_actions()
+        compile_solver()
     beliefs = outcomes_after(problem.successors, start, min(1, problem.horizon))
     solve_channel(problem, beliefs.states, beliefs.matrix)
     best_inputs(np.array([[0.9, 0.1], [0.2, 0.8]]), 1e-6)

@@ -11,7 +11,7 @@ from habilis.empowerment.availability import with_nowhere
 from habilis.empowerment.limits import Limits, Progress, too_much
 from habilis.empowerment.tabular.beliefs import TooManyBeliefsError, unheard
 from habilis.empowerment.tabular.blocks import in_turn
-from habilis.empowerment.tabular.column_generation import certified, sampled
+from habilis.empowerment.tabular.column_generation import certified, is_written_out, sampled
 from habilis.empowerment.tabular.cost import check_effort, check_samples, most_entries
 from habilis.empowerment.tabular.open_loop import Problem
 from habilis.empowerment.tabular.successors import states_within
@@ -21,7 +21,7 @@ from habilis.processors import processors
 Bits = Float64[np.ndarray, "n"]
 _LITTLE = 10_000  # sequences, of all states, for which a thread costs more than it does
 _LONG = 64  # actions above which fewer with the same outcomes are looked for
-Tell = Callable[[int, int], None]
+Report = Callable[[int, int], None]
 """Receives how many states are done, and how many there are."""
 
 
@@ -30,12 +30,12 @@ def certified_bits(
     starts: Int64[np.ndarray, "n"],
     threads: int | None,
     limits: Limits,
-    report: Tell = unheard,
+    report: Report = unheard,
 ) -> tuple[Bits, Bits]:
     """Empowerment and gap of states, float64[n] bits each; without `threads` as many as pay.
 
     Raises:
-        ValueError: it would take more than the limits; see `effort.check_effort`.
+        ValueError: it would take more than the limits; see `cost.check_effort`.
     """
     problem = _soonest(problem)
     threads = threads or _worthwhile(problem, starts)
@@ -69,8 +69,10 @@ def _soonest(problem: Problem) -> Problem:
 
 
 def _worthwhile(problem: Problem, starts: Int64[np.ndarray, "n"]) -> int:
-    """As many threads as processors, unless there is little to do, or BLAS does it."""
+    """As many threads as processors, unless there is little to do, or NumPy and BLAS do it."""
     horizon, actions = problem.horizon, problem.successors.actions
+    if is_written_out(problem):
+        return 1
     if not len(starts) or horizon * np.log(actions) + np.log(len(starts)) < np.log(_LITTLE):
         return 1
     if shape_of(problem.sensor)[1] > MOST_OUTPUTS:
@@ -88,12 +90,12 @@ def lower_bounds(
     seed: int,
     threads: int | None,
     limits: Limits,
-    report: Tell = unheard,
+    report: Report = unheard,
 ) -> tuple[Bits, Bits]:
     """Bits that some sequences attain, and how much more there could be at the very most.
 
     Raises:
-        ValueError: it would take more than the limits; see `effort.check_samples`.
+        ValueError: it would take more than the limits; see `cost.check_samples`.
     """
     threads = threads or _worthwhile(problem, starts)
     check_samples(problem, starts, samples, threads, limits)
@@ -104,7 +106,7 @@ def _for_all(
     answer: Callable[[int], tuple[float, float]],
     starts: Int64[np.ndarray, "n"],
     threads: int,
-    report: Tell,
+    report: Report,
 ) -> tuple[Bits, Bits]:
     """Bits and gaps; a state's are the same whatever thread works on it."""
     asked, place = np.unique(starts, return_inverse=True)
