@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import NullFormatter
 
 from habilis.benchmarks import BENCHMARKS
 from habilis.benchmarks.growth import AXES, Point, points
@@ -85,9 +85,10 @@ def growth_figure(found: list[Point]) -> Figure:
                     one.seconds if of == "seconds" else max(one.gib or 0, 2**-10) for one in curve
                 ]
                 ax.loglog(sizes, values, marker="o", markersize=3, color=colour, label=name)
-            if axis.sizes[-1] <= _FEW:
+            if max(one.size for one in found if one.axis == axis.name) <= _FEW:
                 ax.set_xscale("log", base=2)
-                ax.xaxis.set_major_formatter(ScalarFormatter())
+                ax.xaxis.set_major_formatter("{x:g}")
+            ax.yaxis.set_minor_formatter(NullFormatter())
             ax.set_xlabel(axis.name, fontsize=8)
             ax.set_ylabel("seconds" if of == "seconds" else "GiB", fontsize=8)
             ax.tick_params(labelsize=7)
