@@ -10,6 +10,7 @@ from itertools import chain
 from pathlib import Path
 
 import numpy as np
+import pytest
 from ray_cluster import two_nodes
 from slow_states import HOLD, HORIZON
 
@@ -28,7 +29,11 @@ def is_gone(process: int) -> bool:
     return status.rpartition(")")[2].split()[0] in "ZX"
 
 
-def test_a_computation_outlives_a_node_and_a_driver_and_has_the_same_values(tmp_path: Path, capsys):
+def test_a_computation_outlives_a_node_and_a_driver_and_has_the_same_values(
+    tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
+):
+    # Workers have the environment of their nodes, which begin here, and not the driver's.
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(SUPPORT), *sys.path]))
     rng = np.random.default_rng(0)
     mdp = hb.TabularMDP.deterministic(rng.integers(STATES, size=(STATES, 4))).slippery(0.3)
     table, work, notes, hold = (tmp_path / name for name in ("m.npz", "work", "notes", HOLD))
@@ -55,8 +60,7 @@ def test_a_computation_outlives_a_node_and_a_driver_and_has_the_same_values(tmp_
     with two_nodes() as cluster:
         driver = subprocess.Popen(
             [sys.executable, "-c", "import slow_states; slow_states.main()", cluster.address]
-            + [str(path) for path in (table, work, notes)],
-            env=os.environ | {"PYTHONPATH": os.pathsep.join([str(SUPPORT), *sys.path])},
+            + [str(path) for path in (table, work, notes)]
         )
         wait_until(lambda: len(finished()) > 10, driver)
         hold.touch()
