@@ -15,7 +15,7 @@ from habilis.channels.capacity_solver import FINEST, SHARE, STEPS
 from habilis.compiled import compile_now, compiled, part
 
 MOST_OUTPUTS = 192
-"""From which on BLAS is faster, whoever else uses it."""
+"""Outputs above which BLAS is faster, even if other threads use it too."""
 
 _LEAST = float(LEAST)
 

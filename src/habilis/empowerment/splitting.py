@@ -148,7 +148,7 @@ class StatesTask:
         except ValueError as error:
             if _POSITION.search(str(error)) is None:
                 raise
-            # Positions among the states of a task mean nothing to whoever asked about others too.
+            # Positions in a task mean nothing to a caller who asked about other states too.
             named = _POSITION.sub(lambda found: f"state {states[int(found[1])]}", str(error))
             raise ValueError(named) from None
         return {"states": states, "values": values, "gap": gap}

@@ -133,7 +133,7 @@ def _look_back(table, labels, first, time, begin, end):
     """Marks the states of a block whose sets can first change in this step, and counts them."""
     found = 0
     for s in range(begin, end):
-        if first[s] != 255:
+        if first[s] != _NEVER:
             continue
         near = False
         if time == 1:

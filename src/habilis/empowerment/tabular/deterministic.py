@@ -189,10 +189,12 @@ def counts_until_repeated(question: Question) -> tuple[Int64[np.ndarray, "k n"],
                 return np.stack(rows), end.value
             rows.append(sizes(now[place]))
             check_memory(*_rows_gib(question, len(place), len(rows), gib), horizon, limits)
+            share = (len(rows) - 1) / max(horizon, 1)
             if horizon > _LONG:
+                question.report(share)
                 clock.check_now(len(rows) - 1)
             else:
-                watch((len(rows) - 1) / max(horizon, 1))
+                watch(share)
     from habilis.empowerment.tabular.column_counting import count_every_horizon
     from habilis.empowerment.tabular.spreading import Graph
 

@@ -11,6 +11,7 @@ Beliefs lie side by side in blocks, so that a processor's wide words work on sev
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int32, Int64
@@ -59,25 +60,20 @@ class LastActions:
         """How many there are, those that cannot be carried out included."""
         return self.beliefs * self.actions**self.remaining
 
+    @property
+    def _steps(self) -> tuple[Any, ...]:
+        """The actions and where they lead, as the kernels take them."""
+        inner = self.first, self.state, self.probability
+        last = self.last_first, self.observation, self.chance
+        partial = not self.everywhere
+        return self.remaining, self.actions, *inner, *last, self.observations, partial
+
     def neg_entropies(self) -> tuple[Float64[np.ndarray, "n"], Int64[np.ndarray, "O"]]:
         """The sum of P ln P of each sequence, -inf where an action is not surely available.
 
         And for each observation the sequence that makes it most likely.
         """
-        return _neg_entropies(
-            self.blocks,
-            self.beliefs,
-            self.remaining,
-            self.actions,
-            self.first,
-            self.state,
-            self.probability,
-            self.last_first,
-            self.observation,
-            self.chance,
-            self.observations,
-            not self.everywhere,
-        )
+        return _neg_entropies(self.blocks, self.beliefs, *self._steps)
 
     def divergences(
         self, neg_entropies: Float64[np.ndarray, "n"], logs: Float64[np.ndarray, "O"]
@@ -92,20 +88,7 @@ class LastActions:
 
     def rows(self, sequences: Int64[np.ndarray, "k"]) -> Float64[np.ndarray, "k O"]:
         """The distributions over observations of some sequences."""
-        return _rows(
-            self.blocks,
-            sequences,
-            self.remaining,
-            self.actions,
-            self.first,
-            self.state,
-            self.probability,
-            self.last_first,
-            self.observation,
-            self.chance,
-            self.observations,
-            not self.everywhere,
-        )
+        return _rows(self.blocks, sequences, *self._steps)
 
 
 def side_by_side(matrix: Float64[np.ndarray, "K N"]) -> Float64[np.ndarray, "B N lanes"]:

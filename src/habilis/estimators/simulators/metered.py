@@ -12,9 +12,9 @@ from habilis.estimators.protocol import Simulator
 class Metered:
     """A simulator that counts its steps; everything else is as the simulator has it.
 
-    A step of n states counts n, whoever makes it; so do `transition` and, for each action,
-    `rollout`. Steps that are differentiated (see `Gaussian`) count once. Those that an estimator
-    compiles itself cannot be seen: it reports them with `report_steps`.
+    A step of n states counts n, whether Habilis or the estimator makes it; so do `transition` and,
+    for each action, `rollout`. Steps that are differentiated (see `Gaussian`) count once. Those
+    that an estimator compiles itself cannot be seen: it reports them with `report_steps`.
 
     Attributes:
         simulator: the one inside.
